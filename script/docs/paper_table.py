@@ -26,10 +26,8 @@ HEAD = "| final error of the true camera pose: median (worst) of 16 starts | x |
 def final_errors(name, starts=STARTS):
     """Final errors of a scenario from its starts.
 
-    Returns:
-        (errors, ends): (starts, 4) array of |x|, |y|, |z| [mm] and the angle [deg]; Counter of how the runs ended.
-    Raises:
-        RuntimeError: too few of the DRAWN starts can be run, or a run broke off.
+    Returns: (errors, ends): (starts, 4) array of |x|, |y|, |z| [mm] and the angle [deg]; Counter of how the runs ended.
+    Raises: RuntimeError: too few of the DRAWN starts can be run, or a run broke off.
     """
     scenario = load_scenario(name)
     kinematics = Kinematics(scenario.urdf_xml(), scenario.robot["base_link"], scenario.robot["tip_link"])

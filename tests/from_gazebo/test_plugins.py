@@ -171,7 +171,7 @@ def test_a_saved_world_comes_back_as_it_was(cart):
     ("set_joint_properties", "{joint_name: left_wheel_joint, ode_joint_config: {vel: [3.0]}}", "vel: found 3"),
     ("set_physics_properties", "{time_step: 0.0}", "time_step: found 0 s"),
     ("apply_body_wrench", "{body_name: base_link, wrench: {force: {x: .nan}}}", "not finite"),
-    ("apply_joint_effort", "{joint_name: left_wheel_joint, effort: .inf}", "found effort inf"),
+    ("apply_joint_effort", "{joint_name: left_wheel_joint, effort: .inf}", "ApplyJointEffort: effort"),
     ("apply_body_wrench", "{body_name: base_link, reference_frame: moon}", "reference_frame not found"),
     ("set_link_state", "{link_state: {link_name: moon}}", "SetLinkState: link does not exist")])
 def test_what_cannot_be_is_refused_and_the_world_goes_on(cart, service, request_, text):

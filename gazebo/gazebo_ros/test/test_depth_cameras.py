@@ -2,9 +2,10 @@
 import numpy
 import pytest
 
+from aras_visual_servo_sim import ModelError
+
 from gazebo_ros.world.depth_cameras import Depth
 from gazebo_ros.world.description import read_description
-from gazebo_ros.world.errors import SpawnError
 from gazebo_ros.world.world import World
 from test_world import at
 
@@ -102,5 +103,5 @@ def test_points_lie_where_their_pixels_look_and_have_their_colours():
 
 
 def test_a_number_that_is_none_is_refused_by_its_name():
-    with pytest.raises(SpawnError, match="depth camera: <rangeMaxDepth> is nan"):
+    with pytest.raises(ModelError, match="depth camera: <rangeMaxDepth> is nan"):
         read_description(REALSENSE % "nan", "", "r")

@@ -2,9 +2,10 @@
 import numpy
 import pytest
 
+from aras_visual_servo_sim import ModelError
+
 from gazebo_ros.node.notes import summed_up
 from gazebo_ros.world.description import read_description
-from gazebo_ros.world.errors import SpawnError
 from gazebo_ros.world.poses import matrix_of
 from gazebo_ros.world.world import World
 
@@ -74,7 +75,7 @@ def test_a_plugin_with_a_joint_that_is_not_there_is_named_and_ignored():
 
 
 def test_a_plugin_with_a_word_for_a_number_is_refused():
-    with pytest.raises(SpawnError, match="<updateRate>: found fast, allowed is a number"):
+    with pytest.raises(ModelError, match="<updateRate>: found fast, allowed is a number"):
         read_description(CART % "fast", "", "cart")
 
 

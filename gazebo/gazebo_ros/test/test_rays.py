@@ -2,13 +2,14 @@
 import numpy
 import pytest
 
-from gazebo_ros.node.devices.laser import scan
+from aras_visual_servo_sim import ModelError
+
 from gazebo_ros.node.devices.outlet import Noise
+from gazebo_ros.node.devices.sensors import scan
 from gazebo_ros.world import snapshot
 from gazebo_ros.world.description import read_description
-from gazebo_ros.world.errors import SpawnError
+from gazebo_ros.world.devices import directions_of, resampled
 from gazebo_ros.world.poses import matrix_of, matrix_of_rpy
-from gazebo_ros.world.rays import directions_of, resampled
 from gazebo_ros.world.world import World
 
 ROUNDING_M = 1e-9
@@ -115,7 +116,7 @@ def test_a_resolution_makes_numbers_between_the_rays():
     ({"samples": 0}, "found 0 samples"), ({"samples": 1e9}, "found 1e\\+09 samples"),
     ({"highest": -2.0}, "found angles from -1.5 to -2 rad"), ({"highest": "nan"}, "found angles from -1.5 to nan")])
 def test_a_laser_that_cannot_be_is_refused(change, text):
-    with pytest.raises(SpawnError, match=text):
+    with pytest.raises(ModelError, match=text):
         read_description(POST.format(**{**RAY, **change}), "", "post")
 
 

@@ -4,7 +4,8 @@ import os
 import numpy
 import pytest
 
-from gazebo_ros.world.errors import SpawnError
+from aras_visual_servo_sim import ModelError
+
 from gazebo_ros.world.poses import matrix_of
 from gazebo_ros.sdf.document import NoFolders, expanded
 from gazebo_ros.sdf.model import model_of
@@ -119,14 +120,14 @@ def test_the_empty_world_has_the_ground_and_the_sun():
     assert file.settings == World().settings and not file.models and not file.warnings
     world = World(file.settings)
     world.take_lights(file.lights)
-    assert {**World().lights.entry("sun"), "intensity": 1.0} == world.lights.entry("sun")
+    assert {**World().lights["sun"], "intensity": 1.0} == world.lights["sun"]
 
 
 def test_the_ground_and_the_sun_of_a_database_are_known_without_it():
     place = "https://fuel.gazebosim.org/1.0/OpenRobotics/models/"
     world, warnings = filled("<include><uri>%sSun</uri></include><include><uri>%sGround Plane</uri></include>"
                              "<include><uri>%sCoke</uri></include>" % (place, place, place))
-    assert world.settings.ground and world.lights.names() == ["sun"] and "Coke" in warnings
+    assert world.settings.ground and list(world.lights) == ["sun"] and "Coke" in warnings
 
 
 def test_what_is_used_is_not_said_to_be_ignored():
@@ -140,7 +141,7 @@ def test_physics_gravity_and_light_are_the_worlds():
         <scene><ambient>1 1 1 1</ambient><background>0 0 1 1</background><shadows>0</shadows></scene>
         <light name='lamp' type='point'><pose>0 0 3 0 0 0</pose></light>""" + BOX + CAMERA)
     assert world.settings.period_s == 0.002 and not world.settings.ground and not world.settings.shadows
-    assert world.lights.names() == ["lamp"]
+    assert list(world.lights) == ["lamp"]
     world.step(500)
     fallen_m = 1.0 - world.models["box"].pose()[2, 3]
     assert fallen_m == pytest.approx(0.5 * 1.6 * 1.0 ** 2, rel=2.5e-3)  # first order in the step of 2 ms
@@ -203,9 +204,9 @@ def test_what_is_no_sdf_is_refused_and_the_world_goes_on():
                                 ("two", sdf(""), "neither <model> nor <light>"),
                                 ("two", sdf(BOX.replace("0.4 0.4 0.4", "0.4 nan 0.4")), "three|3 finite|valid"),
                                 ("two", sdf("<include><uri>model://none</uri></include>"), "model://none")):
-        with pytest.raises(SpawnError, match=message):
+        with pytest.raises(ModelError, match=message):
             world.spawn_sdf(name, text)
-    with pytest.raises(SpawnError, match="found no <world>"):
+    with pytest.raises(ModelError, match="found no <world>"):
         read_world(sdf(BOX), False, NoFolders())
     assert list(world.models) == ["one"]
     world.step(10)

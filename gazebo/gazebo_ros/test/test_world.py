@@ -2,8 +2,9 @@
 import numpy
 import pytest
 
+from aras_visual_servo_sim import ModelError, ParameterError, UnknownNameError
+
 from gazebo_ros.world.description import located
-from gazebo_ros.world.errors import BadValueError, SpawnError, UnknownEntityError
 from gazebo_ros.world.poses import IDENTITY, matrix_of, quaternion_of, rpy_of
 from gazebo_ros.world.world import World
 
@@ -128,17 +129,17 @@ def test_what_cannot_be_is_refused_and_the_world_goes_on():
                                    ("two", "<sdf/>", "", "allowed is <robot>"),
                                    ("two", PENDULUM, "nowhere", "reference_frame not found"),
                                    ("two", "<robot name='r'/>", "", "cannot be simulated")):
-        with pytest.raises(SpawnError, match=text):
+        with pytest.raises(ModelError, match=text):
             world.spawn(name, xml, frame=frame)
-    with pytest.raises(UnknownEntityError, match="models are: one"):
+    with pytest.raises(UnknownNameError, match="models are: one"):
         world.delete("two")
-    with pytest.raises(UnknownEntityError):
+    with pytest.raises(UnknownNameError):
         world.frame("one::nothing")
-    with pytest.raises(BadValueError, match="fixed"):
+    with pytest.raises(ParameterError, match="fixed"):
         world.models["one"].place(at(1.0), numpy.zeros(6))
-    with pytest.raises(BadValueError, match="not finite"):
+    with pytest.raises(ParameterError, match="not finite"):
         matrix_of((numpy.nan, 0, 0), (0, 0, 0, 1), "pose")
-    with pytest.raises(BadValueError, match="swong"):
+    with pytest.raises(UnknownNameError, match="swong"):
         world.models["one"].set_joints({"swong": 1.0})
     assert list(world.models) == ["one"]
     world.step(10)

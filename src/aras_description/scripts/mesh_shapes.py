@@ -11,10 +11,8 @@ RESOLUTION_M = 1e-5  # vertices are rounded to this, so that the last bits of si
 def loft(rings):
     """Solid through rings of equal length, each counter-clockwise seen from the far (last) end, with flat caps.
 
-    Args:
-        rings: sequence of arrays, each of shape (k, 3) [m].
-    Returns:
-        Triangles, shape (n, 3, 3) [m].
+    Args: rings: sequence of arrays, each of shape (k, 3) [m].
+    Returns: Triangles, shape (n, 3, 3) [m].
     """
     rings = [np.asarray(ring, dtype=float) for ring in rings]
     triangles = []

@@ -17,8 +17,7 @@ class Manager:
     Args:
         namespace: of its robot, "" for this node's own.
         timeout_s: wall time until its services must be there; None: for ever.
-    Raises:
-        ManagerGoneError: they never came.
+    Raises: ManagerGoneError: they never came.
     """
 
     def __init__(self, namespace="", timeout_s=None):

@@ -1,18 +1,17 @@
 """The program spawn_model, with the options of gazebo_ros's."""
 import argparse
-import math
 import os
+import pathlib
 import sys
 import xml.etree.ElementTree as ElementTree
 
 import rospy
 from gazebo_msgs.msg import ModelStates
 from gazebo_msgs.srv import DeleteModel, SetModelConfiguration, SpawnModel
-from geometry_msgs.msg import Point, Pose
 from std_srvs.srv import Empty
 
 from .node.convert import pose_message
-from .world.poses import matrix_of
+from .world.poses import matrix_of_rpy
 
 LIMIT_S = 30.0  #: wall time until the simulator must be there
 
@@ -55,11 +54,10 @@ def description(options):
         text = sys.stdin.read()
     elif options.param:
         text = rospy.get_param(options.param, "")
+    elif os.path.isfile(options.file):
+        text = pathlib.Path(options.file).read_text(encoding="utf-8")
     else:
-        if not os.path.isfile(options.file):
-            raise RefusedError("Error: specified file %s does not exist" % options.file)
-        with open(options.file, encoding="utf-8") as file:
-            text = file.read()
+        raise RefusedError("Error: specified file %s does not exist" % options.file)
     if not text:
         raise RefusedError("Error: the description is empty or does not exist")
     try:
@@ -67,13 +65,6 @@ def description(options):
     except ElementTree.ParseError as error:
         raise RefusedError("Invalid XML: %s" % error) from error
     return text.replace("package://", "model://") if options.package_to_model else text
-
-
-def rotation(roll, pitch, yaw):
-    """Quaternion x y z w of Rz(yaw) Ry(pitch) Rx(roll)."""
-    sr, cr, sp, cp, sy, cy = (each(0.5 * angle) for angle in (roll, pitch, yaw) for each in (math.sin, math.cos))
-    return (sr * cp * cy - cr * sp * sy, cr * sp * cy + sr * cp * sy, cr * cp * sy - sr * sp * cy,
-            cr * cp * cy + sr * sp * sy)
 
 
 def call(name, kind, *request):
@@ -96,8 +87,7 @@ def spawn(options):
             states = rospy.wait_for_message(options.gazebo_namespace + "/model_states", ModelStates)
             if options.wait in states.name:
                 break
-    pose = Pose(Point(options.x, options.y, options.z),
-                pose_message(matrix_of((0, 0, 0), rotation(options.R, options.P, options.Y), "pose")).orientation)
+    pose = pose_message(matrix_of_rpy((options.x, options.y, options.z), (options.R, options.P, options.Y)))
     service = "/spawn_urdf_model" if options.urdf else "/spawn_sdf_model"
     call(options.gazebo_namespace + service, SpawnModel, options.model, description(options), options.robot_namespace,
          pose, options.reference_frame)

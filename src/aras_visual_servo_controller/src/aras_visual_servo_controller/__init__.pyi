@@ -10,7 +10,7 @@ from .nodes.graph import Graph as Graph
 from .nodes.launch import run_over_ros as run_over_ros
 
 # For packages built on this one
-from .nodes.calls.services import call_service as call_service
+from .nodes.calls import call_service as call_service
 from .nodes.conversions import JointReader as JointReader
 from .nodes.conversions import LazyJointState as LazyJointState
 from .nodes.conversions import goal_message as goal_message

@@ -3,9 +3,10 @@
 import os
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
-from typing import List, Optional
+from typing import Iterable, Iterator, List, Optional, Tuple, Union
 
-from aras_visual_servo import ParameterError, cli
+import aras_visual_servo as avs
+from aras_visual_servo import ParameterError, RunRecord, cli, load_scenario
 
 
 def export_main(argv: Optional[List[str]] = None) -> int:
@@ -47,14 +48,12 @@ EXPORT = cli.Command(
 
 def _hdf5(arguments: Namespace, path: Path) -> str:
     from .robomimic import write_hdf5
-    from .sources import records
     count = write_hdf5(path, records(arguments.sources, arguments.images), arguments.images, arguments.converged)
     return f"{count} demonstrations"
 
 
 def _mcap(arguments: Namespace, path: Path) -> str:
     from .mcap_file import McapFile
-    from .sources import is_bag, records
     with McapFile(path) as file:
         for source in arguments.sources:
             if is_bag(source):
@@ -63,3 +62,50 @@ def _mcap(arguments: Namespace, path: Path) -> str:
                 for name, record in records([source]):
                     file.add_record(name, record)
     return f"{file.messages} messages"
+
+
+def is_bag(source: Union[str, Path]) -> bool:
+    """Whether this names a bag or a folder with bags."""
+    path = Path(source)
+    return path.suffix == ".bag" or path.is_dir() and any(path.glob("*.bag"))
+
+
+def is_sweep(source: Union[str, Path]) -> bool:
+    """Whether this is the folder of a sweep."""
+    from aras_visual_servo_study.sweep.store import FILE
+    return (Path(source) / FILE).is_file()
+
+
+def records(sources: Iterable[Union[str, Path]], images: bool = False) -> Iterator[Tuple[str, RunRecord]]:
+    """Yield (name, RunRecord) of every source.
+
+    Args:
+        sources: bags or folders of bags; folders of sweeps, whose runs are repeated, each with its own start, noise and
+            perturbations; names of scenarios or paths of their files, which are run here.
+        images: with the images of the servo phase, which a sweep's runs do not keep.
+    Raises: ParameterError: a sweep is asked for images.  BagError, StoreError: a source cannot be read.
+    """
+    for source in map(str, sources):
+        if is_sweep(source):
+            if images:
+                raise ParameterError(f"--images: found the sweep '{source}', allowed are runs: a sweep keeps no images")
+            yield from _of_sweep(source)
+        elif is_bag(source):
+            from aras_visual_servo_controller import read_bag  # needs rosbag
+            yield Path(source).stem, read_bag(source, keep_images=images)
+        else:
+            scenario = load_scenario(source)
+            yield scenario.name, avs.run(scenario, keep_images=images)
+
+
+def _of_sweep(folder):
+    from aras_visual_servo_study.sweep.run import SweepRunner
+    from aras_visual_servo_study.sweep.store import SweepStore
+    from aras_visual_servo_study.sweep.worker import scenario_of
+    with SweepStore.open(folder) as store:
+        starts, setup = store.starts(), store.meta["setup"]
+    bench = SweepRunner(scenario_of(setup), setup["drive_to_start"])
+    for start in starts:
+        _, record = bench.run(start)
+        if record is not None:  # None: the start was refused
+            yield f"run_{start.id}", record

@@ -9,9 +9,9 @@ from typing import Any, Dict, Optional, Tuple, Union
 
 import numpy as np
 
-from aras_visual_servo import (JOINT_HALF_WIDTH, ExperimentSettings, Feasibility, Names, ParameterError, Scenario,
-                               ServoSettings, SimulatedCell, SweepSection, eight_bit, extra, in_rgb, load_scenario,
-                               read)
+from aras_visual_servo import (JOINT_HALF_WIDTH, ExperimentSettings, Feasibility, Names, ParameterError, RecordBuilder,
+                               Scenario, ServoSettings, SimulatedCell, SweepSection, eight_bit, extra, in_rgb,
+                               load_scenario, read)
 
 from .reward import REWARDS
 
@@ -23,6 +23,8 @@ OBSERVATIONS, ACTIONS, RENDER_MODES = ("state", "image", "dict"), ("twist", "joi
 TRIES = 1000
 #: Bounds of positions in observations [m, rad]: nothing of the shipped scenarios comes near.
 FAR = 100.0
+#: Width and height of pictures of the arm from beside [px].
+WATCHED_PX = (480, 360)
 #: Simulated time in which the arm comes to rest at its start [s].
 SETTLE_S = 0.1
 
@@ -42,8 +44,7 @@ class ServoEnv(gymnasium.Env):  # type: ignore[name-defined]
         max_steps: after so many steps an episode is truncated.
         success: (m, rad): within both of the goal an episode terminates.
         render_mode: "rgb_array": the arm from beside; "camera": what the camera sees.
-    Raises:
-        ParameterError: an argument or the scenario is not allowed.
+    Raises: ParameterError: an argument or the scenario is not allowed.
     """
 
     metadata = {"render_modes": list(RENDER_MODES), "render_fps": 30}
@@ -131,11 +132,21 @@ class ServoEnv(gymnasium.Env):  # type: ignore[name-defined]
             image = np.array(eight_bit(self._rendered()))
             return np.repeat(image[..., None], 3, axis=2) if image.ndim == 2 else image
         if self._observer is None:
-            from .watching import Watcher
-            self._observer = Watcher(self.scenario, self._goal[:3, 3], self._names)
+            self._observer = self._beside()
         return self._observer.picture(self._q)
 
     # --- parts --------------------------------------------------------------------------------------------------
+
+    def _beside(self):
+        """Observer of the arm, as of a run whose one row is the goal."""
+        from aras_visual_servo_study.report.observer import Observer
+        builder = RecordBuilder(self.scenario.name, self._names, settings=self.scenario.as_dict())
+        X_WC, X_WT = np.eye(4), np.eye(4)
+        X_WC[:3, 3] = self._goal[:3, 3]
+        builder.add_row(0, "servo", X_WC=X_WC)
+        models = self.scenario.sim.get("scene", {}).get("models", [])
+        X_WT[:3, 3] = models[0].get("position_m", (0.0, 0.0, 0.0)) if models else (*self._goal[:2, 3], 0.0)
+        return Observer(builder.finish(X_WT=X_WT), *WATCHED_PX)
 
     def _rendered(self):
         """The present image, grey or rgb."""

@@ -43,7 +43,7 @@ class FeatureReward:
         self._info = self._camera_info(scenario)
         self._source = source_named(self._features.source)
         if self._source.wants_depth(scenario.vision):
-            raise ParameterError("vision/depth: found with a reward by features, allowed without it: rewards see "
+            raise ParameterError("vision.depth: found with a reward by features, allowed without it: rewards see "
                                  "images alone")
 
     @staticmethod

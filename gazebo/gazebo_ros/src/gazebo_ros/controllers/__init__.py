@@ -1,6 +1,5 @@
-"""Topics and actions of the controllers, one file a type. Importing this makes all of them known."""
-from . import diff_drives, grippers, groups, joint_states, singles, trajectories
-from .adapter import adapter_of, parameters_of, types_of_adapters
+"""Topics and actions of the controllers. Importing this makes all types known."""
+from . import diff_drives, grippers, joint_states, singles, trajectories
+from .adapter import ADAPTERS, Adapter
 
-__all__ = ["adapter_of", "parameters_of", "types_of_adapters", "diff_drives",
-           "grippers", "groups", "joint_states", "singles", "trajectories"]
+__all__ = ["ADAPTERS", "Adapter", "diff_drives", "grippers", "joint_states", "singles", "trajectories"]

@@ -23,16 +23,19 @@ class ActionAdapter(Adapter):
 
     def take(self, handle):
         """The goal goes on from now on, in the place of the one before."""
-        if self._goal is not None:
-            self._goal.set_canceled()
+        self.finish("canceled")
         handle.set_accepted()
         self._goal = handle
 
+    def finish(self, end, *result):
+        """Ends the goal that there is: "succeeded", "aborted" or "canceled"."""
+        goal, self._goal = self._goal, None
+        if goal is not None:
+            getattr(goal, "set_" + end)(*result)
+
     def time_reset(self, now_ns):
         """An action server takes no goals that are older than those it has seen: a new one is needed."""
-        if self._goal is not None:
-            self._goal.set_canceled()
-            self._goal = None
+        self.finish("canceled")
         self._server.stop()
         self._open_action()
         super().time_reset(now_ns)
@@ -49,5 +52,4 @@ class ActionAdapter(Adapter):
         if self._goal is not None and handle == self._goal:
             if self.running:
                 self.simulation.cancel_goal(self.name)
-            goal, self._goal = self._goal, None
-            goal.set_canceled()
+            self.finish("canceled")

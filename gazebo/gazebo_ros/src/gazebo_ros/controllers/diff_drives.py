@@ -2,17 +2,16 @@
 import math
 
 import rospy
-from geometry_msgs.msg import TransformStamped, Twist, Vector3
+from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from tf2_msgs.msg import TFMessage
 
 from aras_visual_servo_sim import ParameterError
 
-from ..node.beat import NEVER_NS, Beat
-from ..node.odometry import WheelOdometry, odometry_message
-from .adapter import Adapter, register, stands_for
+from ..node.odometry import WheelOdometry, odometry_message, transform_message
+from ..node.outlet import Beat
+from .adapter import Adapter, register
 
-TYPE = "diff_drive_controller/DiffDriveController"
 CONTROL_RATE_HZ = 100.0  #: how often the wheels get new speeds
 DEFAULTS = {"publish_rate": 50.0, "cmd_vel_timeout": 0.5, "wheel_separation_multiplier": 1.0, "open_loop": False,
             "left_wheel_radius_multiplier": 1.0, "right_wheel_radius_multiplier": 1.0, "base_frame_id": "base_link",
@@ -30,13 +29,6 @@ def sides(parameters):
     if len(names[0]) != len(names[1]):
         raise ParameterError("#left wheels (%d) != #right wheels (%d)." % (len(names[0]), len(names[1])))
     return names
-
-
-@stands_for(TYPE)
-def as_group(parameters):
-    """The simulator turns its wheels as a group of joints with one list of velocities."""
-    left, right = sides(parameters)
-    return {"type": "velocity_controllers/JointGroupVelocityController", "joints": left + right}
 
 
 class Limit:
@@ -63,8 +55,14 @@ class Limit:
         return min(max(wanted, before + lower * dt_s), before + upper * dt_s)
 
 
-@register(TYPE)
+@register("diff_drive_controller/DiffDriveController")
 class DiffDriveController(Adapter):
+    @staticmethod
+    def stand_in(parameters):
+        """The simulator turns its wheels as a group of joints with one list of velocities."""
+        left, right = sides(parameters)
+        return {"type": "velocity_controllers/JointGroupVelocityController", "joints": left + right}
+
     def open(self):
         self._parameters = {**DEFAULTS, **(rospy.get_param(self.place, None) or {})}
         self._left, self._right = sides(self._parameters)
@@ -77,7 +75,7 @@ class DiffDriveController(Adapter):
         self._odometry = self.advertise(self.topic("odom"), Odometry)
         self._transforms = self.advertise("/tf", TFMessage)
         self.listen(self.topic("cmd_vel"), Twist, self._command)
-        self._beat = self._control = None
+        self.rate_hz = float(self._parameters["publish_rate"])
 
     def _separation_m(self):
         """As given, else the distance between the first wheels of both sides."""
@@ -93,8 +91,7 @@ class DiffDriveController(Adapter):
         if given is None:
             given = self.model.radius_of(self.model.description.children[self._left[0]])
         if given is None:
-            raise ParameterError("wheel_radius: is missing, must be there where a wheel is no cylinder or "
-                                 "sphere")
+            raise ParameterError("wheel_radius: is missing, must be there where a wheel is no cylinder or sphere")
         return float(given)
 
     def _command(self, message):
@@ -110,7 +107,6 @@ class DiffDriveController(Adapter):
         self._where = WheelOdometry(separation, radius * self._parameters["left_wheel_radius_multiplier"],
                                     radius * self._parameters["right_wheel_radius_multiplier"])
         self._where.update(*self._turned("joint_positions"))
-        self._beat = Beat(float(self._parameters["publish_rate"]), now_ns)
         self._control = Beat(CONTROL_RATE_HZ, now_ns)
 
     def _turned(self, what):
@@ -119,16 +115,18 @@ class DiffDriveController(Adapter):
         return [sum(float(values[names.index(joint)]) for joint in side) / len(side)
                 for side in (self._left, self._right)]
 
+    def wanted(self):
+        return self.running
+
     @property
     def next_ns(self):
-        return min(self._beat.next_ns, self._control.next_ns) if self.running else NEVER_NS
+        return min(super().next_ns, self._control.next_ns) if self.running else super().next_ns
 
     def publish(self, now_ns):
         if not self.running:
             return
         self._where.update(*self._turned("joint_positions"))
-        if self._beat.due(now_ns):
-            self._send(now_ns)
+        super().publish(now_ns)
         if self._control.due(now_ns):
             self._drive(now_ns)
 
@@ -142,7 +140,7 @@ class DiffDriveController(Adapter):
         left, right = (forward - rim) / self._where.left_radius_m, (forward + rim) / self._where.right_radius_m
         self.simulation.set_group_command(self.name, [left] * len(self._left) + [right] * len(self._right))
 
-    def _send(self, now_ns):
+    def send(self, now_ns):
         parameters, variances = self._parameters, [0.0] * 6
         for key in ("pose_covariance_diagonal", "twist_covariance_diagonal"):
             parameters.setdefault(key, variances)
@@ -153,8 +151,4 @@ class DiffDriveController(Adapter):
                                    parameters["twist_covariance_diagonal"])
         self._odometry.publish(message)
         if parameters["enable_odom_tf"]:
-            transform = TransformStamped(header=message.header, child_frame_id=message.child_frame_id)
-            position = message.pose.pose.position
-            transform.transform.translation = Vector3(position.x, position.y, position.z)
-            transform.transform.rotation = message.pose.pose.orientation
-            self._transforms.publish([transform])
+            self._transforms.publish([transform_message(message.header, message.child_frame_id, message.pose.pose)])

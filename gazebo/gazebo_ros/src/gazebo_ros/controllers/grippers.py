@@ -4,16 +4,17 @@ from control_msgs.msg import GripperCommandAction, GripperCommandFeedback, Gripp
 
 from aras_visual_servo_sim import ArasError
 
-from ..node.beat import NEVER_NS, Beat
 from .actions import NOT_RUNNING, ActionAdapter
 from .adapter import register
+
+#: What the end of a goal is in the words of the action.
+ENDS = {"reached": "succeeded", "stalled": "aborted"}
 
 
 @register("effort_controllers/GripperActionController", "position_controllers/GripperActionController")
 class Gripper(ActionAdapter):
     def open(self):
-        self._rate_hz = self.simulation.gripper_report(self.name)["monitor_rate_hz"]
-        self._beat = None
+        self.rate_hz = self.simulation.gripper_report(self.name)["monitor_rate_hz"]
         self.serve("gripper_cmd", GripperCommandAction)
 
     def accept(self, handle):
@@ -27,11 +28,10 @@ class Gripper(ActionAdapter):
             handle.set_rejected(GripperCommandResult(), str(error))
             return
         self.take(handle)
-        self._beat = Beat(self._rate_hz, self.world.time_ns)
+        self.begin(self.world.time_ns)
 
-    @property
-    def next_ns(self):
-        return self._beat.next_ns if self.running and self._goal is not None else NEVER_NS
+    def wanted(self):
+        return self.running and self._goal is not None
 
     def stopped(self):
         super().stopped()
@@ -39,8 +39,10 @@ class Gripper(ActionAdapter):
 
     def publish(self, now_ns):
         self._end()
-        if self._goal is not None and self._beat.due(now_ns):
-            self._goal.publish_feedback(self._told(GripperCommandFeedback))
+        super().publish(now_ns)
+
+    def send(self, now_ns):
+        self._goal.publish_feedback(self._told(GripperCommandFeedback))
 
     def _told(self, kind):
         report = self.simulation.gripper_report(self.name)
@@ -49,15 +51,8 @@ class Gripper(ActionAdapter):
 
     def _end(self):
         """Ends the goal when the controller has."""
-        if self._goal is None:
-            return
-        end = self.simulation.gripper_report(self.name)["goal"]
-        if end == "active":
-            return
-        goal, self._goal = self._goal, None
-        if end == "reached":
-            goal.set_succeeded(self._told(GripperCommandResult))
-        elif end == "stalled":
-            goal.set_aborted(self._told(GripperCommandResult))
-        else:
-            goal.set_canceled()
+        end = "active" if self._goal is None else self.simulation.gripper_report(self.name)["goal"]
+        if end in ENDS:
+            self.finish(ENDS[end], self._told(GripperCommandResult))
+        elif end != "active":
+            self.finish("canceled")

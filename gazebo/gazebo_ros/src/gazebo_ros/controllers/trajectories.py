@@ -7,15 +7,16 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from aras_visual_servo_sim import ArasError
 
-from ..node.beat import NEVER_NS, Beat
-from ..node.convert import stamp
+from ..node.convert import stamped
+from ..node.outlet import NEVER_NS, Beat
 from .actions import NOT_RUNNING, ActionAdapter
 from .adapter import register
 
 Result = FollowJointTrajectoryResult
 #: What the end of a goal is in the words of the action.
-ENDS = {"succeeded": Result.SUCCESSFUL, "path_tolerance_violated": Result.PATH_TOLERANCE_VIOLATED,
-        "goal_tolerance_violated": Result.GOAL_TOLERANCE_VIOLATED}
+ENDS = {"succeeded": (Result.SUCCESSFUL, "succeeded"),
+        "path_tolerance_violated": (Result.PATH_TOLERANCE_VIOLATED, "aborted"),
+        "goal_tolerance_violated": (Result.GOAL_TOLERANCE_VIOLATED, "aborted")}
 WRONG_JOINTS = "Joints on incoming goal don't match the controller joints."
 
 
@@ -40,9 +41,8 @@ def point_message(rows):
 class TrajectoryFollower(ActionAdapter):
     def open(self):
         settings = self.simulation.trajectory_report(self.name)
-        self._state_rate_hz, self._monitor_rate_hz = settings["state_rate_hz"], settings["monitor_rate_hz"]
-        self._partial = settings["partial_joints"]
-        self._beat = self._feedback_beat = None
+        self.rate_hz, self._monitor_rate_hz = settings["state_rate_hz"], settings["monitor_rate_hz"]
+        self._partial, self._feedback_beat = settings["partial_joints"], None
         self.listen(self.topic("command"), JointTrajectory, self._command)
         self._states = self.advertise(self.topic("state"), JointTrajectoryControllerState)
         query = rospy.Service(self.topic("query_state"), QueryTrajectoryState,
@@ -98,14 +98,11 @@ class TrajectoryFollower(ActionAdapter):
 
     @property
     def next_ns(self):
-        if not self.running:
-            return NEVER_NS
-        state = self._beat.next_ns if self._states.get_num_connections() else NEVER_NS
-        return min(state, self._feedback_beat.next_ns) if self._goal is not None else state
+        feedback_ns = self._feedback_beat.next_ns if self.running and self._goal is not None else NEVER_NS
+        return min(super().next_ns, feedback_ns)
 
     def started(self, now_ns):
         super().started(now_ns)
-        self._beat = Beat(self._state_rate_hz, now_ns)
         self._watch()
 
     def stopped(self):
@@ -117,18 +114,11 @@ class TrajectoryFollower(ActionAdapter):
         if self._goal is None:
             return
         report = self.simulation.trajectory_report(self.name)
-        end = report["goal"]
-        if end == "active":
-            return
-        goal, self._goal = self._goal, None
-        if end not in ENDS:
-            goal.set_canceled()
-            return
-        result = Result(error_code=ENDS[end], error_string=report["goal_error"])
-        if end == "succeeded":
-            goal.set_succeeded(result)
-        else:
-            goal.set_aborted(result, report["goal_error"])
+        if report["goal"] in ENDS:
+            code, end = ENDS[report["goal"]]
+            self.finish(end, Result(error_code=code, error_string=report["goal_error"]), report["goal_error"])
+        elif report["goal"] != "active":
+            self.finish("canceled")
 
     def publish(self, now_ns):
         if not self.running:
@@ -140,13 +130,8 @@ class TrajectoryFollower(ActionAdapter):
             return
         report = self.simulation.trajectory_report(self.name)
         for wanted, kind, send in ((wants_state, JointTrajectoryControllerState, self._states.publish),
-                                   (wants_feedback, FollowJointTrajectoryFeedback, self._feedback)):
+                                   (wants_feedback, FollowJointTrajectoryFeedback,
+                                    lambda message: self._goal.publish_feedback(message))):
             if wanted:
-                message = kind(joint_names=report["joints"])
-                message.header.stamp = stamp(now_ns)
-                for part in ("desired", "actual", "error"):
-                    setattr(message, part, point_message(report[part]))
-                send(message)
-
-    def _feedback(self, message):
-        self._goal.publish_feedback(message)
+                send(stamped(kind, now_ns, joint_names=report["joints"],
+                             **{part: point_message(report[part]) for part in ("desired", "actual", "error")}))

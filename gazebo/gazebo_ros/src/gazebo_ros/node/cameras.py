@@ -5,8 +5,8 @@ from std_msgs.msg import Empty
 
 from aras_visual_servo_sim import ArasError
 
-from .beat import NEVER_NS
-from .convert import stamp
+from .convert import stamped
+from .outlet import NEVER_NS, Outlet
 
 
 def image_message(header, image, encoding):
@@ -22,36 +22,33 @@ def cloud_message(header, points):
                        row_step=16 * points.shape[1], data=points.tobytes(), is_dense=False)
 
 
-class Cameras:
+class Cameras(Outlet):
     """Sends each image when it is due, while somebody listens.
 
-    Attributes:
-        sent_ns: time of the last image that somebody listened to, int [ns]; -1: there was none.
+    Attributes: sent_ns: time of the last image that somebody listened to, int [ns]; -1: there was none.
     """
 
-    def __init__(self, world, model, work):
-        self._world, self._model = world, model
-        self._topics, self._subscribers, self.sent_ns = {}, [], -1
-        for name, topics in model.description.cameras.items():
-            if self._full(name) not in world.core.camera_names:
+    def open(self):
+        self._topics, self.sent_ns = {}, -1
+        for name, topics in self.model.description.cameras.items():
+            if self._full(name) not in self.world.core.camera_names:
                 continue
             depth = topics.depth
             self._topics[name] = {
-                kind: rospy.Publisher(topic, message, queue_size=4)
+                kind: self.advertise(topic, message, queue_size=4)
                 for kind, topic, message in (("image", topics.image, Image), ("info", topics.info, CameraInfo),
                                              ("depth", depth and depth.image, Image),
                                              ("depth_info", depth and depth.info, CameraInfo),
                                              ("points", depth and depth.points, PointCloud2)) if topic}
-            self._subscribers.append(rospy.Subscriber(topics.trigger, Empty, lambda _, camera=name: work.post(
-                lambda: self._world.core.trigger(self._full(camera)))))
+            self.listen(topics.trigger, Empty, lambda _, camera=name: self.world.core.trigger(self._full(camera)))
 
     def _full(self, name):
         """What the simulator calls a camera of this model."""
-        return "%s::%s" % (self._model.name, name)
+        return "%s::%s" % (self.model.name, name)
 
     def _due_ns(self, name):
-        due_ns = self._world.core.next_image_ns(self._full(name))
-        return self._world.epoch_ns + due_ns if due_ns < NEVER_NS else NEVER_NS
+        due_ns = self.world.core.next_image_ns(self._full(name))
+        return self.world.epoch_ns + due_ns if due_ns < NEVER_NS else NEVER_NS
 
     @property
     def next_ns(self):
@@ -62,14 +59,12 @@ class Cameras:
         for name, publishers in self._topics.items():
             if self._due_ns(name) != now_ns:
                 continue
-            self._world.core.step_to_image(self._full(name))  # takes the frame of this very tick
+            self.world.core.step_to_image(self._full(name))  # takes the frame of this very tick
             wanted = {kind: publisher for kind, publisher in publishers.items() if publisher.get_num_connections()}
             if not wanted:
                 continue
-            info = self._world.core.camera_info(self._full(name))
-            message = CameraInfo(width=info["width"], height=info["height"], D=info["D"], K=info["K"], R=info["R"],
-                                 P=info["P"], distortion_model=info["distortion_model"])
-            message.header.stamp, message.header.frame_id = stamp(now_ns), info["frame_id"]
+            info = self.world.core.camera_info(self._full(name))
+            message = stamped(CameraInfo, now_ns, info.pop("frame_id"), **info)
             for kind in {"info", "depth_info"} & set(publishers):
                 publishers[kind].publish(message)
             self._send(name, wanted, message.header)
@@ -77,7 +72,7 @@ class Cameras:
     def _send(self, name, wanted, header):
         if not {"image", "depth", "points"} & set(wanted):
             return
-        core, depth = self._world.core, self._model.description.cameras[name].depth
+        core, depth = self.world.core, self.model.description.cameras[name].depth
         camera = self._full(name)
         try:
             image = None
@@ -96,16 +91,9 @@ class Cameras:
                     points = depth.cloud(depth_m, core.camera_info(camera)["K"], colors)
                     wanted["points"].publish(cloud_message(header, points))
         except ArasError as error:
-            rospy.logerr_throttle(10.0, "camera '%s' of model '%s': %s" % (name, self._model.name, error))
+            rospy.logerr_throttle(10.0, "camera '%s' of model '%s': %s" % (name, self.model.name, error))
             return
-        self.sent_ns = self._world.time_ns
+        self.sent_ns = self.world.time_ns
 
     def time_reset(self, _now_ns):
         self.sent_ns = -1
-
-    def close(self):
-        for publishers in self._topics.values():
-            for publisher in publishers.values():
-                publisher.unregister()
-        for subscriber in self._subscribers:
-            subscriber.unregister()

@@ -1,12 +1,18 @@
 """Messages of the world's values and back."""
 import rospy
 from geometry_msgs.msg import Point, Pose, Quaternion, Twist, Vector3
+from std_msgs.msg import Header
 
 from ..world.poses import matrix_of, quaternion_of
 
 
 def stamp(time_ns):
     return rospy.Time(time_ns // 1000000000, time_ns % 1000000000)
+
+
+def stamped(kind, time_ns, frame="", **fields):
+    """A message of this class with a header."""
+    return kind(header=Header(stamp=stamp(time_ns), frame_id=frame), **fields)
 
 
 def pose_message(pose):

@@ -1,4 +1,5 @@
 """Where packages, models and resources are, as ROS and Gazebo look for them."""
+import itertools
 import os
 import re
 
@@ -16,21 +17,24 @@ class Folders:
         self._exported = {}
 
     def __call__(self, name):
-        own = [DOWNLOADED, os.path.join(self._package("gazebo_ros") or "", "models")]
-        for places in (lambda: paths(MODEL_PATH), lambda: self._exports("gazebo_model_path"), lambda: own):
-            for place in places():
-                folder = os.path.join(os.path.expanduser(place), name)
-                if os.path.isdir(folder):
-                    return folder
+        own = (DOWNLOADED, os.path.join(self._package("gazebo_ros") or "", "models"))
+        for place in itertools.chain(self._places(MODEL_PATH, "gazebo_model_path"), own):
+            folder = os.path.join(os.path.expanduser(place), name)
+            if os.path.isdir(folder):
+                return folder
         return self._package(name)
 
     def resource(self, path):
         """Whole path of a file, from the working folder, GAZEBO_RESOURCE_PATH or a package's gazebo_media_path."""
-        for places in (lambda: ["."], lambda: paths(RESOURCE_PATH), lambda: self._exports("gazebo_media_path")):
-            for place in places():
-                if os.path.isfile(os.path.join(place, path)):
-                    return os.path.abspath(os.path.join(place, path))
+        for place in itertools.chain((".",), self._places(RESOURCE_PATH, "gazebo_media_path")):
+            if os.path.isfile(os.path.join(place, path)):
+                return os.path.abspath(os.path.join(place, path))
         return None
+
+    def _places(self, variable, key):
+        """The folders of a variable of the environment, then those that packages export."""
+        yield from filter(None, os.environ.get(variable, "").split(":"))
+        yield from self._exports(key)
 
     def _package(self, name):
         try:
@@ -46,11 +50,6 @@ class Folders:
                 place.replace("${prefix}", folder) for folder in map(self._package, self._packages.list())
                 for value in named.findall(manifest(folder)) for place in value.split(":") if place]
         return self._exported[key]
-
-
-def paths(variable):
-    """The folders of a variable of the environment."""
-    return [place for place in os.environ.get(variable, "").split(":") if place]
 
 
 def manifest(folder):

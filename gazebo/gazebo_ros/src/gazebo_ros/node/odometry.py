@@ -1,11 +1,11 @@
 """Where wheels have carried a base."""
 import math
 
-from geometry_msgs.msg import Vector3
+from geometry_msgs.msg import Transform, TransformStamped, Vector3
 from nav_msgs.msg import Odometry
 
 from ..world.poses import matrix_of
-from .convert import pose_message, stamp
+from .convert import pose_message, stamped
 
 
 class WheelOdometry:
@@ -45,11 +45,16 @@ class WheelOdometry:
 
 def odometry_message(now_ns, frame, base_frame, pose, velocity, pose_variances, twist_variances=(0.0,) * 6):
     """nav_msgs/Odometry of a pose (4, 4) and of forward, sideways and turn; variances x, y, z, roll, pitch, yaw."""
-    message = Odometry()
-    message.header.stamp, message.header.frame_id, message.child_frame_id = stamp(now_ns), frame, base_frame
+    message = stamped(Odometry, now_ns, frame, child_frame_id=base_frame)
     message.pose.pose = pose_message(pose)
     for k in range(6):
         message.pose.covariance[7 * k], message.twist.covariance[7 * k] = pose_variances[k], twist_variances[k]
     message.twist.twist.linear = Vector3(float(velocity[0]), float(velocity[1]), 0.0)
     message.twist.twist.angular.z = float(velocity[2])
     return message
+
+
+def transform_message(header, child, pose):
+    """geometry_msgs/TransformStamped of a geometry_msgs/Pose."""
+    place = Vector3(pose.position.x, pose.position.y, pose.position.z)
+    return TransformStamped(header, child, Transform(place, pose.orientation))

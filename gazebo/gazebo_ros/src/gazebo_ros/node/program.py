@@ -1,10 +1,10 @@
 """The programs gzserver and gazebo: the node `gazebo` with the command line of Gazebo's server."""
 import argparse
-import sys
 
 import rospy
 
-from ..world.errors import GazeboError
+from aras_visual_servo_sim import ArasError
+
 from ..sdf.world import EMPTY_WORLD, read_world
 from .folders import Folders
 from .server import CLOCK_RATE_HZ, Server
@@ -13,14 +13,11 @@ from .server import CLOCK_RATE_HZ, Server
 EMPTY = ("", "worlds/empty.world", "empty.world")
 NOT_THERE = 255  #: what Gazebo's server returns when it cannot read the world
 
-#: Options that Gazebo's server takes, and that change nothing here.
-WITHOUT_EFFECT = ("-e", "--physics", "-r", "--record", "--verbose", "--lockstep", "-q", "--quiet", "-s",
-                  "--server-plugin", "-g", "--gui-plugin", "--seed", "--iters", "--minimal_comms", "-o", "--profile",
-                  "--record_path", "--record_encoding", "--record_period", "--record_filter", "--record_resources",
-                  "--play", "-p", "--initial_sim_time")
-WITH_VALUE = {"-e", "--physics", "-s", "--server-plugin", "-g", "--gui-plugin", "--seed", "--iters", "-o", "--profile",
+#: Options that Gazebo's server takes, without and with a value, and that change nothing here.
+FLAGS = ("-r", "--record", "--verbose", "--lockstep", "-q", "--quiet", "--minimal_comms", "--record_resources")
+WITH_VALUE = ("-e", "--physics", "-s", "--server-plugin", "-g", "--gui-plugin", "--seed", "--iters", "-o", "--profile",
               "--record_path", "--record_encoding", "--record_period", "--record_filter", "--play", "-p",
-              "--initial_sim_time"}
+              "--initial_sim_time")
 
 
 def parsed(arguments):
@@ -28,18 +25,10 @@ def parsed(arguments):
     parser = argparse.ArgumentParser(prog="gzserver", description="The simulator under the name of Gazebo's server.")
     parser.add_argument("-u", "--pause", action="store_true", help="time stands still at first")
     parser.add_argument("world", nargs="?", default="", help="a .world file; what is read of it is in from_gazebo.md")
-    for option in WITHOUT_EFFECT:
-        parser.add_argument(option, nargs=1 if option in WITH_VALUE else 0, help="has no effect",
-                            action="store" if option in WITH_VALUE else Ignored)
+    for option in FLAGS + WITH_VALUE:
+        parser.add_argument(option, action="store_true" if option in FLAGS else "store", help="has no effect")
     known, others = parser.parse_known_args(arguments)
     return known.world, known.pause, others
-
-
-class Ignored(argparse.Action):
-    """An option without value and without effect."""
-
-    def __call__(self, *_):
-        pass
 
 
 def main():
@@ -50,7 +39,7 @@ def main():
     folders = Folders()
     try:
         file = world_of(world, folders)
-    except (OSError, GazeboError) as error:
+    except (OSError, ArasError) as error:
         rospy.logfatal("gzserver: %s" % error)
         return NOT_THERE
     rate_hz = rospy.get_param("/gazebo/pub_clock_frequency", CLOCK_RATE_HZ)
@@ -61,14 +50,10 @@ def main():
 
 
 def world_of(name, folders):
-    """WorldFile of a name. Raises: OSError, SpawnError."""
+    """WorldFile of a name. Raises: OSError, ModelError."""
     path = folders.resource(name)
     if path is not None:
         return read_world(path, True, folders)
     if name in EMPTY:
         return read_world(EMPTY_WORLD, False, folders)
     raise FileNotFoundError("Could not open file[%s]" % name)
-
-
-if __name__ == "__main__":
-    sys.exit(main())

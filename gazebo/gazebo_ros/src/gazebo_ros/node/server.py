@@ -4,17 +4,20 @@ import time
 import rospy
 from rosgraph_msgs.msg import Clock
 
+from aras_visual_servo_sim import ArasError
+
 from ..world import snapshot
-from ..world.errors import GazeboError
 from ..sdf.world import GROUND
 from ..world.world import World
-from .beat import NEVER_NS
 from .cameras import Cameras
 from .controller_manager import ControllerManager
 from .convert import stamp
 from .devices import outlet_of
-from .services.gazebo_services import GazeboServices
+from .services.part_services import PartServices
+from .services.state_services import StateServices
+from .services.world_services import WorldServices
 from .notes import summed_up
+from .outlet import NEVER_NS, Outlet
 from .state_topics import StateTopics
 from .work import Work
 
@@ -28,16 +31,10 @@ UPDATE_RATE_HZ = 1000.0
 
 
 class Server:
-    """
-    Attributes:
-        world: World.  work: Work, calls for the world's thread.  paused, update_rate_hz: as set.
-    """
+    """Attributes: world: World.  work: Work, calls for the world's thread.  paused, update_rate_hz: as set."""
 
     def __init__(self, settings, folders, paused=False, clock_rate_hz=CLOCK_RATE_HZ):
-        """
-        Args:
-            settings: WorldSettings.  folders: Folders.
-        """
+        """Args: settings: WorldSettings.  folders: Folders."""
         self.world, self.work, self.paused = World(settings, folders), Work(), paused
         self.update_rate_hz = UPDATE_RATE_HZ
         self._interfaces = {}
@@ -45,35 +42,33 @@ class Server:
         self._asked_s = None  #: wall time at which an image was sent that is not answered yet
         self._clock = rospy.Publisher("/clock", Clock, queue_size=10)
         self._slice_ns = round(1e9 / clock_rate_hz)
-        self._states = StateTopics(self, GazeboServices(self))
-        self._pushes = PushesOutlet(self.world)
+        PartServices(self)
+        StateServices(self)
+        self._states = StateTopics(self, WorldServices(self))
+        self._pushes = PushesOutlet(self.world, None, self.work)
         self._restart_pace()
 
     # --- what the services ask for, in the world's thread
 
     def spawn(self, name, xml, namespace, pose, frame):
-        """Raises: SpawnError."""
+        """Raises: ModelError."""
         self._welcome(self.world.spawn(name, xml, namespace, pose, frame))
 
     def spawn_sdf(self, name, xml, namespace, pose, frame):
-        """Raises: GazeboError."""
+        """Raises: ArasError."""
         described = rospy.get_param((namespace.rstrip("/") or "") + "/robot_description", "")
         model = self.world.spawn_sdf(name, xml, namespace, pose, frame, described)
         if model is not None:
             self._welcome(model)
 
     def fill(self, file):
-        """Puts what a .world file has into the world; what cannot be is warned about.
-
-        Args:
-            file: WorldFile.
-        """
+        """Puts what a .world file has into the world; what cannot be is warned about. Args: file: WorldFile."""
         self.update_rate_hz = file.update_rate_hz
         warnings = [*file.warnings, *self.world.take_lights(file.lights)]
         for model, X_WM in file.models:
             try:
                 self._welcome(self.world.place_sdf(model.name, model, X_WM))
-            except GazeboError as error:
+            except ArasError as error:
                 warnings.append("model '%s': %s" % (model.name, error))
         for warning in warnings:
             rospy.logwarn("world: %s" % warning)
@@ -116,17 +111,17 @@ class Server:
         return False
 
     def set_physics(self, period_s, gravity_m_s2, update_rate_hz):
-        """Args: update_rate_hz: steps per second of wall time at most; 0: as many as there can be. Raises: GazeboError.
+        """Args: update_rate_hz: steps per second of wall time at most; 0: as many as there can be. Raises: ArasError.
         """
         before = self.world.epoch_ns
         self.world.set_physics(period_s, gravity_m_s2)
         self.update_rate_hz = update_rate_hz
         if self.world.epoch_ns != before:
-            self._tell_time(self.world.time_ns)
+            self._tell_time()
         self._restart_pace()
 
     def restore(self, state):
-        """Makes the world what it was when the state was saved. Raises: GazeboError; nothing changes then."""
+        """Makes the world what it was when the state was saved. Raises: ArasError; nothing changes then."""
         before = dict(self.world.models)
         snapshot.restore(self.world, state)
         for name, model in before.items():
@@ -139,25 +134,20 @@ class Server:
             for interface in self._interfaces[name]:
                 if isinstance(interface, ControllerManager):
                     interface.find_loaded()
-        self._states.time_reset(self.world.time_ns)
-        self._tell_time(self.world.time_ns)
+        self._tell_time()
         self._restart_pace()
 
-    def _tell_time(self, now_ns):
+    def _tell_time(self):
         """Lets all that publishes at a rate begin anew."""
-        for interfaces in self._interfaces.values():
-            for interface in interfaces:
-                if hasattr(interface, "time_reset"):
-                    interface.time_reset(now_ns)
+        for outlet in self._outlets():
+            outlet.time_reset(self.world.time_ns)
 
     def reset(self, time_too):
         if time_too:
             self.world.reset_simulation()
-            self._states.time_reset(0)
+            self._tell_time()
         else:
             self.world.reset_world()
-        if time_too:
-            self._tell_time(0)
         self._restart_pace()
 
     def model_names(self):
@@ -229,16 +219,13 @@ class Server:
                    for each in self._interfaces.get(self._lockstep, ()))
 
 
-class PushesOutlet:
+class PushesOutlet(Outlet):
     """Lets forces from outside begin and end when they are due."""
-
-    def __init__(self, world):
-        self._world = world
 
     @property
     def next_ns(self):
-        return self._world.pushes.next_ns
+        return self.world.pushes.next_ns
 
     def publish(self, now_ns):
         if self.next_ns <= now_ns:
-            self._world.pushes.act(now_ns)
+            self.world.pushes.act(now_ns)

@@ -1,6 +1,7 @@
 """What other threads want of the world, done by the thread that owns it, between two steps."""
+import concurrent.futures
 import queue
-import threading
+import time
 
 import rospy
 
@@ -15,28 +16,21 @@ class Work:
     """A queue of calls. Callbacks of rospy run in threads of their own; the world is touched by one thread alone."""
 
     def __init__(self):
-        self._queue = queue.Queue()
-        self._closed = threading.Event()
+        self._queue, self._closed = queue.Queue(), False
 
-    def post(self, action):
-        """Lets action() be called soon; whatever it returns is lost."""
-        self._queue.put((action, None))
+    def post(self, action, name=""):
+        """Lets action() be called soon; what it returns is lost, and what it raises is logged under this name."""
+        self._queue.put((action, name, None))
 
     def call(self, action):
         """Calls action() in the world's thread and waits. Returns what it returns, raises what it raises."""
-        answer = queue.Queue(1)
-        self._queue.put((action, answer))
-        for _ in range(int(10 * LIMIT_S)):
-            try:
-                value, error = answer.get(timeout=0.1)
-            except queue.Empty:
-                if self._closed.is_set():
-                    break
-                continue
-            if error is not None:
-                raise error
-            return value
-        raise WorldGoneError("the world does not answer any more")
+        answer = concurrent.futures.Future()
+        self._queue.put((action, "", answer))
+        end_s = time.monotonic() + LIMIT_S
+        while not concurrent.futures.wait([answer], timeout=0.1).done:
+            if self._closed or time.monotonic() > end_s:
+                raise WorldGoneError("the world does not answer any more")
+        return answer.result()
 
     def run(self, wait_s):
         """Does all that is there; when there is nothing, waits up to this wall time for the first."""
@@ -49,16 +43,16 @@ class Work:
             pass
 
     @staticmethod
-    def _do(action, answer):
-        value, error = None, None
+    def _do(action, name, answer):
         try:
             value = action()
-        except Exception as caught:  # goes to who asked, or to the log: the world goes on
-            error = caught
-        if answer is not None:
-            answer.put((value, error))
-        elif error is not None:
-            rospy.logerr("%s: %s" % (type(error).__name__, error))
+            if answer is not None:
+                answer.set_result(value)
+        except Exception as error:  # goes to who asked, or to the log: the world goes on
+            if answer is not None:
+                answer.set_exception(error)
+            else:
+                rospy.logerr("%s: %s" % (name or type(error).__name__, error))
 
     def close(self):
-        self._closed.set()
+        self._closed = True

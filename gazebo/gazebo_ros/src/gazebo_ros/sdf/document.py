@@ -5,8 +5,9 @@ import xml.etree.ElementTree as ElementTree
 
 import numpy
 
+from aras_visual_servo_sim import ModelError
+
 from .. import _sdf
-from ..world.errors import SpawnError
 from ..world.poses import matrix_of, matrix_of_rpy
 
 
@@ -17,19 +18,16 @@ SECONDS = re.compile(r"(<(sim_time|real_time|wall_time)>\s*\d+)(\s*</\2>)")
 def expanded(source, is_path, folders):
     """A document in the newest version of SDF, everything that it includes in its place.
 
-    Args:
-        source: a path, or the document.  folders: as World has them.
-    Returns:
-        its root element, a list of lines that say what was left out.
-    Raises:
-        SpawnError: no SDF.
+    Args: source: a path, or the document.  folders: as World has them.
+    Returns: its root element, a list of lines that say what was left out.
+    Raises: ModelError: no SDF.
     """
     source, is_path = with_nanoseconds(source, is_path)
     try:
         text, messages = _sdf.expanded(source, is_path, lambda uri: found(uri, folders))
         return ElementTree.fromstring(text), messages
     except (ValueError, ElementTree.ParseError) as error:
-        raise SpawnError("SpawnModel: Failure - entity format is invalid: %s" % error) from error
+        raise ModelError("SpawnModel: Failure - entity format is invalid: %s" % error) from error
 
 
 def with_nanoseconds(source, is_path):
@@ -73,25 +71,25 @@ class NoFolders:
 
 
 def numbers(text, count, what):
-    """Raises: SpawnError unless there are so many finite numbers."""
+    """Raises: ModelError unless there are so many finite numbers."""
     try:
         values = [float(word) for word in (text or "").split()]
     except ValueError:
         values = []
     if len(values) != count or not numpy.isfinite(values).all():
-        raise SpawnError("SpawnModel: Failure - entity format is invalid: %s: found '%s', allowed are %d finite "
+        raise ModelError("SpawnModel: Failure - entity format is invalid: %s: found '%s', allowed are %d finite "
                          "numbers" % (what, text, count))
     return values
 
 
 def number(element, path, otherwise, what):
-    """A number in the text of a descendant. Raises: SpawnError."""
+    """A number in the text of a descendant. Raises: ModelError."""
     text = element.findtext(path)
     return otherwise if text is None or not text.strip() else numbers(text, 1, "%s: <%s>" % (what, path))[0]
 
 
 def pose_of(element, what):
-    """(4, 4) of an element's <pose>, in the frame that it stands in. Raises: SpawnError."""
+    """(4, 4) of an element's <pose>, in the frame that it stands in. Raises: ModelError."""
     pose = element.find("pose")
     if pose is None or not (pose.text or "").strip():
         return numpy.eye(4)

@@ -21,10 +21,7 @@ class Frames:
     """The parts of a model by name, and their poses in the model's frame."""
 
     def __init__(self, model, warnings):
-        """
-        Args:
-            model: <model>.  warnings: list, given a line for each frame that is not there.
-        """
+        """Args: model: <model>.  warnings: list, given a line for each frame that is not there."""
         self.links, self.joints, self.models, self._others = {}, {}, {}, {}
         self._warnings, self._known = warnings, {}
         self._add(model, "")

@@ -151,3 +151,30 @@ def set_picture(robot, link, visual, name, picture):
                     shown.remove(old)
                 made = ElementTree.SubElement(shown, "material", name=SCRIPTED + name)
                 ElementTree.SubElement(made, "texture", filename="file://" + picture)
+
+
+def painted(xml, folders):
+    """A URDF with what scripts of materials say in their place, and a list of what is ignored of them."""
+    if "<script" not in xml:
+        return xml, []
+    try:
+        robot = ElementTree.fromstring(xml)
+    except ElementTree.ParseError:
+        return xml, []  # who reads it says what is wrong
+    warnings = []
+    resolve_scripts(robot, folders, warnings)
+    return ElementTree.tostring(robot, encoding="unicode"), warnings
+
+
+def with_transmissions(urdf, described):
+    """A URDF with the <transmission>s that another one has of its joints."""
+    if not described:
+        return urdf
+    robot = ElementTree.fromstring(urdf)
+    joints = {joint.get("name") for joint in robot.findall("joint")}
+    try:
+        robot.extend(each for each in ElementTree.fromstring(described).findall("transmission")
+                     if joints.issuperset(end.get("name") for end in each.findall("joint")))
+    except ElementTree.ParseError:
+        return urdf  # no URDF: then it has none
+    return ElementTree.tostring(robot, encoding="unicode")

@@ -43,13 +43,9 @@ class SdfModel:
 
 
 def model_of(element, folders):
-    """
-    Args:
-        element: <model>, of an expanded document.  folders: as World has them.
-    Returns:
-        SdfModel
-    Raises:
-        SpawnError: numbers that are none.
+    """Args: element: <model>, of an expanded document.  folders: as World has them.
+    Returns: SdfModel
+    Raises: SpawnError: numbers that are none.
     """
     return Writer(element, folders).written()
 

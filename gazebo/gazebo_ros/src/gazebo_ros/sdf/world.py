@@ -4,7 +4,8 @@ import xml.etree.ElementTree as ElementTree
 
 import numpy
 
-from ..world.errors import SpawnError
+from aras_visual_servo_sim import ModelError
+
 from ..world.settings import WorldSettings
 from .document import expanded, number, numbers, pose_of
 from .model import model_of
@@ -37,22 +38,17 @@ class WorldFile:
 
 
 def read_world(source, is_path, folders):
-    """
-    Args:
-        source: a path, or the document.
-    Raises:
-        SpawnError: no SDF, or no world.
-    """
+    """Args: source: a path, or the document. Raises: ModelError: no SDF, or no world."""
     root, warnings = expanded(source, is_path, folders)
     world = root.find("world")
     if world is None:
-        raise SpawnError("found no <world>, allowed is an SDF document with one")
+        raise ModelError("found no <world>, allowed is an SDF document with one")
     states = {kind: {each.get("name"): each for each in world.findall("state/" + kind)} for kind in ("model", "light")}
     models, settings = [], settings_of(world)
     for element in world.findall("model"):
         try:
             model = model_of(element, folders)
-        except SpawnError as error:
+        except ModelError as error:
             warnings.append("model '%s': %s" % (element.get("name"), error))
             continue
         state = states["model"].get(model.name)

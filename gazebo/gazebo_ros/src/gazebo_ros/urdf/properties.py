@@ -2,39 +2,43 @@
 import dataclasses
 import xml.etree.ElementTree as ElementTree
 
-from ..world.errors import BadValueError, UnknownEntityError
+from aras_visual_servo_sim import ParameterError, UnknownNameError
+
 
 GRAVITY_TAGS = ("turnGravityOff", "gravity")
+INERTIA_KEYS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+#: Properties of a joint: damping [N s/m or N m s/rad], friction [N or N m], lower and upper limit [m or rad].
+DYNAMICS, LIMITS = ("damping", "friction"), ("lower", "upper")
 
 
 @dataclasses.dataclass(frozen=True)
 class LinkProperties:
-    """Mass, centre of mass in the link, and ixx ixy ixz iyy iyz izz about it."""
-    mass_kg: float
-    com_m: tuple
-    inertia_kg_m2: tuple
-    gravity: bool
+    """Mass, centre of mass in the link, and ixx ixy ixz iyy iyz izz about it, in the axes of the <inertial>."""
+    mass_kg: float = 0.0
+    com_m: tuple = (0.0, 0.0, 0.0)
+    inertia_kg_m2: tuple = (0.0,) * 6
+    gravity: bool = True  #: acts on the link
 
 
-@dataclasses.dataclass(frozen=True)
-class JointProperties:
-    """None: as it is."""
-    damping: float = None   #: [N s/m or N m s/rad]
-    friction: float = None  #: [N or N m]
-    lower: float = None     #: [m or rad]
-    upper: float = None
+def properties_of(link, gravity):
+    """LinkProperties of a <link>."""
+    inertial = link.find("inertial")
+    if inertial is None:
+        return LinkProperties(gravity=gravity)
+    origin, inertia = inertial.find("origin"), inertial.find("inertia")
+    com = (0.0, 0.0, 0.0) if origin is None else tuple(map(float, origin.get("xyz", "0 0 0").split()))
+    return LinkProperties(float(inertial.find("mass").get("value")), com,
+                          tuple(float(inertia.get(key, 0.0)) for key in INERTIA_KEYS), gravity)
 
 
 def with_link(xml, link, properties):
-    """The document with other properties of a link. Raises: UnknownEntityError."""
+    """The document with other LinkProperties of a link. Raises: UnknownNameError."""
     robot = ElementTree.fromstring(xml)
-    element = named(robot, "link", link)
-    inertial = child(element, "inertial")
-    origin = child(inertial, "origin")
-    origin.set("xyz", " ".join(repr(float(each)) for each in properties.com_m))
+    inertial = child(named(robot, "link", link), "inertial")
+    child(inertial, "origin").set("xyz", " ".join(repr(float(each)) for each in properties.com_m))
     child(inertial, "mass").set("value", repr(float(properties.mass_kg)))
     inertia = child(inertial, "inertia")
-    for key, value in zip(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), properties.inertia_kg_m2):
+    for key, value in zip(INERTIA_KEYS, properties.inertia_kg_m2):
         inertia.set(key, repr(float(value)))
     for gazebo in robot.findall("gazebo"):
         for tag in GRAVITY_TAGS if gazebo.get("reference") == link else ():
@@ -47,29 +51,23 @@ def with_link(xml, link, properties):
 
 
 def with_joint(xml, joint, properties):
-    """The document with other properties of a joint. Raises: UnknownEntityError, BadValueError."""
+    """The document with other properties of a joint, a dict. Raises: UnknownNameError, ParameterError."""
     robot = ElementTree.fromstring(xml)
     element = named(robot, "joint", joint)
-    for key in ("damping", "friction"):
-        value = getattr(properties, key)
-        if value is not None:
-            child(element, "dynamics").set(key, repr(float(value)))
-    limit = element.find("limit")
-    for key in ("lower", "upper"):
-        value = getattr(properties, key)
-        if value is None:
-            continue
-        if limit is None or element.get("type") == "continuous":
-            raise BadValueError("joint '%s' has no limits of position, and cannot be given any" % joint)
-        limit.set(key, repr(float(value)))
+    for key, value in properties.items():
+        part = child(element, "dynamics") if key in DYNAMICS else element.find("limit")
+        if key in LIMITS and (part is None or element.get("type") == "continuous"):
+            raise ParameterError("joint '%s' has no limits of position, and cannot be given any" % joint)
+        part.set(key, repr(float(value)))
     return ElementTree.tostring(robot, encoding="unicode")
 
 
 def named(robot, tag, name):
+    """Raises: UnknownNameError."""
     for element in robot.findall(tag):
         if element.get("name") == name:
             return element
-    raise UnknownEntityError("%s '%s' does not exist" % (tag, name))
+    raise UnknownNameError("%s '%s' does not exist" % (tag, name))
 
 
 def child(element, tag):

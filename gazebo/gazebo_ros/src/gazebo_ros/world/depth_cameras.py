@@ -6,20 +6,22 @@ gazebo_ros_openni_kinect.cpp and gazebo_ros_depth_camera.cpp of ros-simulation/g
 """
 import dataclasses
 import math
+import typing
 import xml.etree.ElementTree as ElementTree
 
 import numpy
 
-from .devices import joined, number, text
+from .devices import flag, joined, number, text
 
 REALSENSE = "librealsense_gazebo_plugin.so"
 KINECT = "libgazebo_ros_openni_kinect.so", "libgazebo_ros_depth_camera.so"
 CAMERA = "libgazebo_ros_camera.so"
+DEPTH = "depth"
 #: Sensors of a RealSense by the end of their name: the keys of their topic and of their optical frame.
 EYES = {"color": ("colorTopicName", "colorOpticalframeName"),
         "ired1": ("infrared1TopicName", "infrared1OpticalframeName"),
-        "ired2": ("infrared2TopicName", "infrared2OpticalframeName")}
-DEPTH = "depth"
+        "ired2": ("infrared2TopicName", "infrared2OpticalframeName"),
+        DEPTH: ("depthTopicName", "depthOpticalframeName")}
 #: Keys of a Kinect's plugin that are not those of a camera's.
 KINECT_KEYS = ("depthImageTopicName", "depthImageCameraInfoTopicName", "pointCloudTopicName", "pointCloudCutoff",
                "pointCloudCutoffMax", "reflectanceImageTopicName", "reflectanceTopicName", "normalsTopicName",
@@ -73,6 +75,15 @@ class Depth:
         return points
 
 
+@dataclasses.dataclass(frozen=True)
+class CameraTopics:
+    """Topics of one camera, full names. image and info are "" of a camera that only sees depth."""
+    image: str
+    info: str
+    trigger: str
+    depth: typing.Optional[Depth] = None  #: of a camera that sees it
+
+
 def finite(element, key, otherwise):
     """The number of a key. Raises: ValueError: it is none, or not finite."""
     value = number(element, key, otherwise)
@@ -94,34 +105,28 @@ def read_realsense(robot, plugin, warnings):
     """The cameras of a RealSense. Their sensors become such as the simulator reads.
 
     Args: robot: element of the URDF.  plugin: the element.  warnings: gets a line for each sensor that is not there.
-    Returns: dict of the name of the camera -> (topic of its image, topic of its camera_info, Depth or None); both
-        topics are "" for the one that sees depth.
+    Returns: dict of the name of the camera -> CameraTopics.
     Raises: ValueError: a number that is none.
     """
     place, prefix = plugin.get("name", ""), text(plugin, "prefix")
     sensors = {sensor.get("name"): sensor for sensor in robot.findall("gazebo/sensor")}
     cameras = {}
     for end, (topic_key, frame_key) in EYES.items():
-        sensor = sensors.get(prefix + end)
+        sensor, name = sensors.get(prefix + end), prefix + end
         if sensor is None:
-            warnings.append("plugin %s: there is no sensor '%s%s'" % (REALSENSE, prefix, end))
+            warnings.append("plugin %s: there is no sensor '%s'" % (REALSENSE, name))
             continue
         image = joined(place, text(plugin, topic_key, end + "/image_raw"))
-        cameras[prefix + end] = (image, sibling(image, "camera_info"), None)
+        info, trigger = sibling(image, "camera_info"), sibling(image, "image_trigger")
         become_camera(sensor, text(plugin, frame_key))
-    sensor = sensors.get(prefix + DEPTH)
-    if sensor is None:
-        warnings.append("plugin %s: there is no sensor '%s%s'" % (REALSENSE, prefix, DEPTH))
-        return cameras
-    image = joined(place, text(plugin, "depthTopicName", "depth/image_raw"))
-    points = text(plugin, "pointCloud").lower() in ("true", "1")
-    cameras[prefix + DEPTH] = ("", "", Depth(
-        image=image, info=sibling(image, "camera_info"), millimetres=True,
-        points=joined(place, text(plugin, "pointCloudTopicName", "points")) if points else "",
-        range_m=(finite(plugin, "rangeMinDepth", 0.0), finite(plugin, "rangeMaxDepth", 65.535)),
-        points_m=(finite(plugin, "pointCloudCutoff", 0.0), finite(plugin, "pointCloudCutoffMax", 5.0)),
-        colors=prefix + "color" if prefix + "color" in cameras else prefix + DEPTH))
-    become_camera(sensor, text(plugin, "depthOpticalframeName"))
+        if end != DEPTH:
+            cameras[name] = CameraTopics(image, info, trigger)
+            continue
+        points = joined(place, text(plugin, "pointCloudTopicName", "points")) if flag(plugin, "pointCloud") else ""
+        cameras[name] = CameraTopics("", "", trigger, Depth(
+            image, info, points, True, (finite(plugin, "rangeMinDepth", 0.0), finite(plugin, "rangeMaxDepth", 65.535)),
+            (finite(plugin, "pointCloudCutoff", 0.0), finite(plugin, "pointCloudCutoffMax", 5.0)),
+            colors=prefix + "color" if prefix + "color" in cameras else name))
     return cameras
 
 
@@ -142,7 +147,7 @@ def become_camera(sensor, frame):
 def read_kinects(robot, namespace):
     """The cameras of the plugins of Kinects, whose sensors become such as the simulator reads.
 
-    Returns: dict as `read_realsense`; an image comes from the same sensor.
+    Returns: dict as `read_realsense`.
     Raises: ValueError: a number that is none.
     """
     cameras = {}
@@ -155,13 +160,14 @@ def read_kinects(robot, namespace):
             nearest, farthest = finite(plugin, "pointCloudCutoff", 0.4), finite(plugin, "pointCloudCutoffMax", 5.0)
             if plugin.get("filename", "").endswith(KINECT[1]):  # has no farthest depth
                 farthest = math.inf
-            short = text(plugin, "useDepth16UC1Format").lower() in ("true", "1")
+            short = flag(plugin, "useDepth16UC1Format")
             depth = Depth(image=joined(place, text(plugin, "depthImageTopicName", "depth/image_raw")),
                           info=joined(place, text(plugin, "depthImageCameraInfoTopicName", "depth/camera_info")),
                           points=joined(place, text(plugin, "pointCloudTopicName", "points")), millimetres=short,
                           range_m=(nearest, farthest), points_m=(nearest, farthest), colors=name)
-            cameras[name] = (joined(place, text(plugin, "imageTopicName", "image_raw")),
-                             joined(place, text(plugin, "cameraInfoTopicName", "camera_info")), depth)
+            info = joined(place, text(plugin, "cameraInfoTopicName", "camera_info"))
+            cameras[name] = CameraTopics(joined(place, text(plugin, "imageTopicName", "image_raw")), info,
+                                         sibling(info, "image_trigger"), depth)
             sensor.set("type", "camera")
             plugin.set("filename", CAMERA)
             for key in KINECT_KEYS:

@@ -3,26 +3,18 @@ import dataclasses
 import re
 import xml.etree.ElementTree as ElementTree
 
-from .depth_cameras import is_realsense, read_kinects, read_realsense, sibling
-from .devices import DiffDrive, joined, motorize, read_device
-from .errors import SpawnError
+from aras_visual_servo_sim import ModelError
+
+from .depth_cameras import CameraTopics, is_realsense, read_kinects, read_realsense
+from .devices import TRUE, DiffDrive, joined, motorize, read_device, text
 from .looks import drop_missing_meshes, paint_as_gazebo
 
 #: Plugins that are part of the simulator, by a piece of their file name.
 CONTROL, CAMERA = "gazebo_ros_control", "camera"
 #: Plugins whose work is done without them.
-NAMED = re.compile(r"(['\">]\s*)(?:package|model)://([^/'\"<]+)")
 NEEDLESS = ("mimic_joint",)
+NAMED = re.compile(r"(['\">]\s*)(?:package|model)://([^/'\"<]+)")
 MOVING = {"revolute": 0, "continuous": 1, "prismatic": 2}
-
-
-@dataclasses.dataclass(frozen=True)
-class CameraTopics:
-    """Topics of one camera, full names. image and info are "" of a camera that only sees depth."""
-    image: str
-    info: str
-    trigger: str
-    depth: object = None    #: Depth of world/depth_cameras.py, None of a camera that does not see it
 
 
 @dataclasses.dataclass(frozen=True)
@@ -37,7 +29,6 @@ class Description:
     joint_types: dict       #: of the joints that move, as gazebo_msgs/GetJointProperties numbers them
     weightless: bool        #: every link that has a mass says that gravity does not act on it
     lifted: frozenset       #: else the links that say so
-    jointed: bool           #: some joint moves
     parents: dict           #: joint -> parent link
     children: dict          #: joint -> child link
     devices: tuple          #: of world/devices.py: what plugins besides cameras and ros_control do
@@ -46,17 +37,16 @@ class Description:
     retros: dict            #: link -> laserRetro of its <gazebo>, the intensity that lasers see
     warnings: tuple         #: what is ignored, a line each
 
-
-def text_of(element, key, otherwise=""):
-    child = element.find(key)
-    return child.text.strip() if child is not None and child.text else otherwise
+    @property
+    def jointed(self):
+        """Whether some joint moves."""
+        return bool(self.joint_types)
 
 
 def located(xml, find_folder):
     """A description whose package:// and model:// names are files.
 
-    Args:
-        find_folder: function of the name of a package or model, returns its folder or None; such names stay.
+    Args: find_folder: function of the name of a package or model, returns its folder or None; such names stay.
     """
     def path(match):
         folder = find_folder(match[2])
@@ -70,17 +60,15 @@ def read_description(xml, namespace, model):
         xml: a URDF document.
         namespace: of plugins that name none of their own; "" for none.
         model: name of the model, the namespace of a controller plugin that has none at all.
-    Returns:
-        Description
-    Raises:
-        SpawnError: no URDF.
+    Returns: Description
+    Raises: ModelError: no URDF.
     """
     try:
         robot = ElementTree.fromstring(xml)
     except ElementTree.ParseError as error:
-        raise SpawnError("SpawnModel: Failure - entity format is invalid: %s" % error) from error
+        raise ModelError("SpawnModel: Failure - entity format is invalid: %s" % error) from error
     if robot.tag != "robot":
-        raise SpawnError("SpawnModel: Failure - entity format is invalid: found <%s>, allowed is <robot>" % robot.tag)
+        raise ModelError("SpawnModel: Failure - entity format is invalid: found <%s>, allowed is <robot>" % robot.tag)
     warnings = drop_strangers(robot) + drop_missing_meshes(robot)
     free_followers(robot, warnings)
     paint_as_gazebo(robot)
@@ -89,9 +77,9 @@ def read_description(xml, namespace, model):
     for gazebo, plugin in [(each, plugin) for each in robot.findall("gazebo") for plugin in each.findall("plugin")]:
         gazebo.remove(plugin)  # the simulator would warn of what is used here
         file = plugin.get("filename", "")
-        device = read_device(robot, plugin, None, "", joined(text_of(plugin, "robotNamespace", namespace)), warnings)
+        device = read_device(robot, plugin, None, "", joined(text(plugin, "robotNamespace", namespace)), warnings)
         if CONTROL in file:
-            control = joined(text_of(plugin, "robotNamespace", namespace or model))
+            control = joined(text(plugin, "robotNamespace", namespace or model))
         elif device is not None:
             devices.append(device)
         elif not is_realsense(plugin) and not any(piece in file for piece in NEEDLESS):
@@ -102,23 +90,53 @@ def read_description(xml, namespace, model):
         if isinstance(device, DiffDrive):
             motorize(robot, device)
     links = {link.get("name") for link in robot.findall("link")}
-    children = {joint.find("child").get("link") for joint in robot.findall("joint") if joint.find("child") is not None}
-    # These take out what is used here: the simulator would warn of it.
-    cameras, static = {**cameras_of(robot, namespace, warnings), **seeing}, is_static(robot)
-    self_collides, off = self_collides_of(robot), weightless_links(robot)
     heavy = {link.get("name") for link in robot.findall("link") if link.find("inertial") is not None}
-    frictions, retros = numbers_of(robot, ("mu1", "mu2")), numbers_of(robot, ("laserRetro", "laser_retro"))
+    parents, children = ends_of(robot, "parent"), ends_of(robot, "child")
+    cameras = {**cameras_of(robot, namespace, warnings), **seeing}
+    static = [is_true(words) for _, words in said(robot, "static")]
+    self_collides = {link for link, words in said(robot, "selfCollide", "self_collide") if is_true(words)}
+    off = {link for link, words in said(robot, "turnGravityOff") if is_true(words)}
+    off |= {link for link, words in said(robot, "gravity") if words.lower() in ("false", "0")}
+    frictions, retros = (numbers_of(said(robot, *tags), links)
+                         for tags in (("mu1", "mu2"), ("laserRetro", "laser_retro")))
     return Description(
-        urdf=ElementTree.tostring(robot, encoding="unicode"), fixed=static or links - children == {"world"},
+        urdf=ElementTree.tostring(robot, encoding="unicode"),
+        fixed=any(static) or links - set(children.values()) == {"world"},
         control_namespace=control, cameras=cameras,
         collides=robot.find("link/collision") is not None,
         weightless=bool(heavy) and heavy <= off, lifted=frozenset() if heavy <= off else frozenset(off & heavy),
         joint_types={joint.get("name"): MOVING[joint.get("type")] for joint in robot.findall("joint")
                      if joint.get("type") in MOVING},
-        actuated=actuated, jointed=any(joint.get("type") in MOVING for joint in robot.findall("joint")),
-        parents=ends_of(robot, "parent"), children=ends_of(robot, "child"),
-        devices=tuple(devices), frictions=frictions, retros=retros, self_collides=self_collides,
+        actuated=actuated, parents=parents, children=children, devices=tuple(devices), frictions=frictions,
+        retros=retros, self_collides=frozenset(links if None in self_collides else self_collides),
         warnings=tuple(warnings))
+
+
+def said(robot, *tags):
+    """Takes these tags out of every <gazebo>, since the simulator would warn of them, and yields the link, or None, and
+    the text of each."""
+    for gazebo in robot.findall("gazebo"):
+        for tag in tags:
+            for element in gazebo.findall(tag):
+                gazebo.remove(element)
+                yield gazebo.get("reference"), (element.text or "").strip() or element.get("value", "")
+
+
+def is_true(words):
+    return words.lower() in TRUE
+
+
+def numbers_of(entries, links):
+    """dict of link -> the first number >= 0 that is said of it."""
+    found = {}
+    for link, words in entries:
+        try:
+            value = float(words)
+        except ValueError:
+            continue
+        if link in links and value >= 0.0:
+            found.setdefault(link, value)
+    return found
 
 
 def deep_cameras_of(robot, namespace, warnings):
@@ -128,38 +146,8 @@ def deep_cameras_of(robot, namespace, warnings):
         for plugin in filter(is_realsense, robot.findall("gazebo/plugin")):
             found.update(read_realsense(robot, plugin, warnings))
     except ValueError as error:
-        raise SpawnError("SpawnModel: plugin of a depth camera: %s" % error) from error
-    return {name: CameraTopics(image, info, sibling(info or depth.info, "image_trigger"), depth)
-            for name, (image, info, depth) in found.items()}
-
-
-def is_static(robot):
-    """Takes <static> out and returns whether the model is fixed by it."""
-    static = False
-    for gazebo in robot.findall("gazebo"):
-        for element in gazebo.findall("static"):
-            static = static or (element.text or "").strip() in ("true", "1")
-            gazebo.remove(element)
-    return static
-
-
-@dataclasses.dataclass(frozen=True)
-class Mass:
-    """Mass, centre of mass, and ixx ixy ixz iyy iyz izz about it, in the axes of the <inertial>."""
-    mass_kg: float = 0.0
-    com_m: tuple = (0.0, 0.0, 0.0)
-    inertia_kg_m2: tuple = (0.0,) * 6
-
-
-def mass_of(link):
-    """Mass of the element of a link."""
-    inertial = link.find("inertial")
-    if inertial is None:
-        return Mass()
-    origin, inertia = inertial.find("origin"), inertial.find("inertia")
-    com = (0.0, 0.0, 0.0) if origin is None else tuple(map(float, origin.get("xyz", "0 0 0").split()))
-    return Mass(float(inertial.find("mass").get("value")), com,
-                tuple(float(inertia.get(key, 0.0)) for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")))
+        raise ModelError("SpawnModel: plugin of a depth camera: %s" % error) from error
+    return found
 
 
 def ends_of(robot, end):
@@ -179,38 +167,6 @@ def free_followers(robot, warnings):
                             % joint.get("name"))
 
 
-def numbers_of(robot, tags):
-    """Takes these tags of the links and returns the first that is a number >= 0 for each link."""
-    links = {link.get("name") for link in robot.findall("link")}
-    found = {}
-    for gazebo in robot.findall("gazebo"):
-        for tag in tags:
-            for element in gazebo.findall(tag):
-                gazebo.remove(element)
-                link = gazebo.get("reference")
-                try:
-                    value = float(element.text if element.text and element.text.strip() else element.get("value"))
-                except (TypeError, ValueError):
-                    continue
-                if link in links and value >= 0.0:
-                    found.setdefault(link, value)
-    return found
-
-
-def self_collides_of(robot):
-    """Takes <selfCollide> and <self_collide> out and returns the links that it says it of."""
-    found = set()
-    for gazebo in robot.findall("gazebo"):
-        for tag in ("selfCollide", "self_collide"):
-            for element in gazebo.findall(tag):
-                gazebo.remove(element)
-                if (element.text or element.get("value", "")).strip().lower() in ("true", "1"):
-                    found.add(gazebo.get("reference"))
-    if None in found:
-        found = {link.get("name") for link in robot.findall("link")}
-    return frozenset(found)
-
-
 def sensors_of(robot, namespace, warnings):
     """Devices of the <sensor> tags that are no cameras; these tags are taken out."""
     devices = []
@@ -218,25 +174,13 @@ def sensors_of(robot, namespace, warnings):
         for sensor in [each for each in gazebo.findall("sensor") if "camera" not in each.get("type", "")]:
             gazebo.remove(sensor)
             found = [read_device(robot, plugin, sensor, gazebo.get("reference", ""),
-                                 joined(text_of(plugin, "robotNamespace", namespace)), warnings)
+                                 joined(text(plugin, "robotNamespace", namespace)), warnings)
                      for plugin in sensor.findall("plugin")]
             devices += [device for device in found if device is not None]
             if sensor.find("plugin") is not None and not any(found):
                 warnings.append("sensor '%s' of type %s is not simulated: ignored" %
                                 (sensor.get("name"), sensor.get("type")))
     return devices
-
-
-def weightless_links(robot):
-    """Takes the tags out that say that gravity does not act on a link, and returns these links."""
-    off = set()
-    for gazebo in robot.findall("gazebo"):
-        for tag, words in (("turnGravityOff", ("true", "1")), ("gravity", ("false", "0"))):
-            for element in gazebo.findall(tag):
-                gazebo.remove(element)
-                if (element.text or "").strip().lower() in words:
-                    off.add(gazebo.get("reference"))
-    return off
 
 
 def drop_strangers(robot):
@@ -271,9 +215,9 @@ def cameras_of(robot, namespace, warnings):
                 gazebo.remove(sensor)
                 warnings.append("camera '%s' has no plugin that publishes it: ignored" % sensor.get("name"))
                 continue
-            name = text_of(plugin, "cameraName", sensor.get("name", "")).lstrip("/")
-            place = joined(text_of(plugin, "robotNamespace", namespace), name)
-            cameras[name] = CameraTopics(image=joined(place, text_of(plugin, "imageTopicName", "image_raw")),
-                                         info=joined(place, text_of(plugin, "cameraInfoTopicName", "camera_info")),
-                                         trigger=joined(place, text_of(plugin, "triggerTopicName", "image_trigger")))
+            name = text(plugin, "cameraName", sensor.get("name", "")).lstrip("/")
+            place = joined(text(plugin, "robotNamespace", namespace), name)
+            cameras[name] = CameraTopics(image=joined(place, text(plugin, "imageTopicName", "image_raw")),
+                                         info=joined(place, text(plugin, "cameraInfoTopicName", "camera_info")),
+                                         trigger=joined(place, text(plugin, "triggerTopicName", "image_trigger")))
     return cameras

@@ -5,8 +5,11 @@ import xml.etree.ElementTree as ElementTree
 
 import numpy
 
-from .errors import SpawnError
-from .poses import IDENTITY, matrix_of_rpy
+from aras_visual_servo_sim import ModelError
+
+from ..sdf.document import pose_of
+
+TRUE = ("true", "1")  #: how a tag says yes, in lower case
 
 _READERS = {}
 
@@ -25,8 +28,7 @@ def read_device(robot, plugin, sensor, link, namespace, warnings):
         robot: element of the URDF.  plugin: its element.  sensor: element that it stands in, None for none.
         link: that the element refers to.  namespace: full name, of the device's topics.
         warnings: gets a line when a device is not made.
-    Returns:
-        A device, or None: no plugin of this kind, or one that names joints or links that are not there.
+    Returns: A device, or None: no plugin of this kind, or one that names joints or links that are not there.
     """
     reader = _READERS.get(plugin.get("filename", "").rpartition("/")[2])
     if reader is None:
@@ -34,7 +36,7 @@ def read_device(robot, plugin, sensor, link, namespace, warnings):
     try:
         device = reader(plugin, sensor, link, namespace)
     except ValueError as error:
-        raise SpawnError("SpawnModel: plugin %s: %s" % (plugin.get("filename"), error)) from error
+        raise ModelError("SpawnModel: plugin %s: %s" % (plugin.get("filename"), error)) from error
     for tag, names in (("joint", device.joints()), ("link", device.links())):
         known = {each.get("name") for each in robot.findall(tag)}
         strangers = [name for name in names if name not in known]
@@ -155,8 +157,8 @@ def number(element, key, otherwise):
         raise ValueError("<%s>: found %s, allowed is a number" % (key, found)) from None
 
 
-def flag(element, key, otherwise):
-    return text(element, key, str(otherwise)).lower() in ("true", "1")
+def flag(element, key, otherwise=False):
+    return text(element, key, str(otherwise)).lower() in TRUE
 
 
 def named(namespace, topic):
@@ -240,22 +242,8 @@ def laser(plugin, sensor, link, namespace):
         link=link, topic=named(namespace, text(plugin, "topicName", "/world")),
         frame=text(plugin, "frameName", "/world").lstrip("/"), rate_hz=number(sensor, "update_rate", 0.0),
         horizontal=horizontal, vertical=vertical, range_min_m=nearest, range_max_m=farthest,
-        noise_mean=number(noise, "mean", 0.0), noise=number(noise, "stddev", 0.0), X_LS=sensor_pose(sensor),
+        noise_mean=number(noise, "mean", 0.0), noise=number(noise, "stddev", 0.0), X_LS=pose_of(sensor, "sensor"),
         sees_visuals=sensor.get("type") in ("gpu_ray", "gpu_lidar"))
-
-
-def sensor_pose(sensor):
-    """(4, 4) of a sensor's <pose>. Raises: ValueError."""
-    words = text(sensor, "pose").split()
-    if not words:
-        return IDENTITY
-    try:
-        values = [float(word) for word in words]
-    except ValueError:
-        values = []
-    if len(values) != 6 or not numpy.isfinite(values).all():
-        raise ValueError("<pose>: found %s, allowed are 6 finite numbers" % " ".join(words))
-    return matrix_of_rpy(values[:3], values[3:])
 
 
 def motorize(robot, drive):
@@ -278,3 +266,24 @@ def motorize(robot, drive):
 
 
 FASTEST_RAD_S = 1000.0  #: of a wheel: no limit
+
+
+def directions_of(horizontal, vertical):
+    """(n, 3) unit vectors of two Scans: x ahead, y to the left, z up; those of one height follow each other."""
+    heights, turns = numpy.meshgrid(vertical.angles(), horizontal.angles(), indexing="ij")
+    return numpy.stack((numpy.cos(heights) * numpy.cos(turns), numpy.cos(heights) * numpy.sin(turns),
+                        numpy.sin(heights)), axis=-1).reshape(-1, 3)
+
+
+def resampled(values, horizontal, vertical):
+    """What is measured along the rays of two Scans, (n,), as as many numbers as these say, linearly between them."""
+    rows = values.reshape(vertical.samples, horizontal.samples)
+    if (vertical.count, horizontal.count) == rows.shape:
+        return values
+    for axis, count in ((0, vertical.count), (1, horizontal.count)):
+        at = numpy.linspace(0.0, rows.shape[axis] - 1.0, count)
+        below = numpy.minimum(at.astype(int), max(0, rows.shape[axis] - 2))
+        above = numpy.minimum(below + 1, rows.shape[axis] - 1)
+        share = (at - below).reshape((-1, 1) if axis == 0 else (1, -1))
+        rows = (1.0 - share) * rows.take(below, axis) + share * rows.take(above, axis)
+    return rows.reshape(-1)

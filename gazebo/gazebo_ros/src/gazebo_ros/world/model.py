@@ -3,13 +3,12 @@ import xml.etree.ElementTree as ElementTree
 
 import numpy
 
-from aras_visual_servo_sim import ArasError, Simulation
+from aras_visual_servo_sim import ArasError, ModelError, Simulation, UnknownNameError
 
-from .description import mass_of, read_description
+from .description import read_description
 from .devices import DiffDrive
-from .errors import BadValueError, SpawnError, UnknownEntityError
 from .poses import IDENTITY, rotated, rpy_of
-from ..urdf.self_contacts import overlapping, self_pairs
+from ..urdf.properties import named, properties_of
 from ..sdf.model import JOINT_FRAME
 from .settings import GROUND_FRICTION
 
@@ -39,8 +38,7 @@ class Model:
             core: aras_visual_servo_sim.World, which gets the model.
             pose: X_WM, (4, 4).  X_MR: root link in the model's frame, (4, 4).
             warnings: lines of what was ignored before.
-        Raises:
-            SpawnError: everything that is wrong with the URDF.
+        Raises: ModelError: everything that is wrong with the URDF.
         """
         self.name, self.namespace, self._X_MR = name, namespace, X_MR
         self.spawned = (name, xml, namespace, pose, X_MR, tuple(warnings))  #: how to spawn it again
@@ -64,7 +62,7 @@ class Model:
 
     def _lift(self):
         """Lets what holds the links up that gravity does not act on act from now on."""
-        self._lifts = {link: (*(-self.mass_of(link).mass_kg * self._gravity), 0.0, 0.0, 0.0)
+        self._lifts = {link: (*(-self.properties_of(link).mass_kg * self._gravity), 0.0, 0.0, 0.0)
                        for link in self.links if link in self.description.lifted}
         if self._lifts:
             self.push({}, {})
@@ -77,18 +75,15 @@ class Model:
     def renew(self, core, xml, gravity_m_s2):
         """Gives the model another document of the same links and joints, and gravity; its state stays.
 
-        Raises:
-            SpawnError: what is wrong with the document.  BadValueError: it cannot be in this state.
+        Raises: ArasError: what is wrong with the document, or it cannot be in this state.
         """
         before = dict(vars(self))
         try:
             self._describe(xml, gravity_m_s2)
             core.renew(self.name, self.description.urdf, self._gravity)
-        except (SpawnError, ArasError) as error:
+        except ArasError:
             vars(self).update(before)
-            if isinstance(error, SpawnError):
-                raise
-            raise BadValueError("model '%s' cannot be changed as it is now: %s" % (self.name, error)) from error
+            raise
         self.spawned = (self.name, xml, *self.spawned[2:])
         self._lift()
 
@@ -110,7 +105,7 @@ class Model:
                 config["contacts"]["pairs"] = self._apart(config, pairs)
             return core.spawn(self.name, self.description.urdf, config)
         except ArasError as error:
-            raise SpawnError("SpawnModel: model '%s' cannot be simulated: %s" % (self.name, error)) from error
+            raise ModelError("SpawnModel: model '%s' cannot be simulated: %s" % (self.name, error)) from error
 
     def _apart(self, config, pairs):
         """The pairs of links that touch each other, without those that are in each other where the model begins."""
@@ -168,10 +163,6 @@ class Model:
         """(3,), as it acts on the model."""
         return self._gravity
 
-    def gravity_acts_on(self, link):
-        """Whether it would fall, were there any gravity."""
-        return not self.description.weightless and link not in self.description.lifted
-
     @property
     def root(self):
         """Name of the link whose pose is the model's."""
@@ -182,9 +173,9 @@ class Model:
         return self.simulation.base_pose @ numpy.linalg.inv(self._X_MR)
 
     def link_pose(self, link):
-        """X_WL, (4, 4). Raises: UnknownEntityError."""
+        """X_WL, (4, 4). Raises: UnknownNameError."""
         if link not in self.links:
-            raise UnknownEntityError("link '%s' of model '%s' does not exist" % (link, self.name))
+            raise UnknownNameError("link '%s' of model '%s' does not exist" % (link, self.name))
         return self.simulation.link_pose(link)
 
     def link_twist(self, link):
@@ -198,34 +189,24 @@ class Model:
     def place(self, pose, twist):
         """Puts the model somewhere else, with a twist [v; w] in world axes.
 
-        Raises: BadValueError: numbers that are not finite, or the model has joints and is fixed in the world.
+        Raises: ArasError: numbers that are not finite, or the model has joints and is fixed in the world.
         """
-        try:
-            self.simulation.set_base(pose @ self._X_MR, twist)
-        except ArasError as error:
-            raise BadValueError("model '%s': %s" % (self.name, error)) from error
+        self.simulation.set_base(pose @ self._X_MR, twist)
 
     def set_joints(self, positions):
-        """Places joints, dict of name -> [m or rad], at rest. Raises: BadValueError, UnknownEntityError."""
-        try:
-            self.simulation.set_joint_positions(positions)
-        except ArasError as error:
-            raise BadValueError(str(error)) from error
+        """Places joints, dict of name -> [m or rad], at rest. Raises: ArasError."""
+        self.simulation.set_joint_positions(positions)
 
     # --- what stands in the description
 
-    def element_of(self, link):
-        """The <link> of a name. Raises: UnknownEntityError."""
-        self.link_pose(link)
-        return next(each for each in self._tree.findall("link") if each.get("name") == link)
-
-    def mass_of(self, link):
-        """Mass of a link. Raises: UnknownEntityError."""
-        return mass_of(self.element_of(link))
+    def properties_of(self, link):
+        """LinkProperties of a link."""
+        gravity = not self.description.weightless and link not in self.description.lifted
+        return properties_of(named(self._tree, "link", link), gravity)
 
     def centre_of_mass(self, link):
         """(3,), in the world."""
-        return (self.link_pose(link) @ (*self.mass_of(link).com_m, 1.0))[:3]
+        return (self.link_pose(link) @ (*self.properties_of(link).com_m, 1.0))[:3]
 
     def radius_of(self, link):
         """Of the cylinder or sphere that the link collides with; None: it is no such thing."""
@@ -239,3 +220,38 @@ class Model:
         """[N s/m or N m s/rad]."""
         dynamics = self._tree.find("joint[@name='%s']/dynamics" % joint)
         return 0.0 if dynamics is None else float(dynamics.get("damping", 0.0))
+
+
+def self_pairs(robot, links):
+    """Args: robot: root element of a URDF.  links: names of those that collide with the model itself.
+    Returns: list of [a, b], links with <collision>s that are not on one body nor on two with one joint between them.
+    """
+    body = {link.get("name"): link.get("name") for link in robot.findall("link")}
+
+    def body_of(link):
+        while body[link] != link:
+            link = body[link]
+        return link
+
+    moving = []
+    for joint in robot.findall("joint"):
+        ends = joint.find("parent").get("link"), joint.find("child").get("link")
+        if joint.get("type") == "fixed":
+            body[body_of(ends[1])] = body_of(ends[0])
+        else:
+            moving.append(ends)
+    joined = {frozenset(map(body_of, ends)) for ends in moving}
+    hard = [link.get("name") for link in robot.findall("link")
+            if link.get("name") in links and link.find("collision") is not None]
+    return [[one, other] for k, one in enumerate(hard) for other in hard[k + 1:]
+            if body_of(one) != body_of(other) and frozenset((body_of(one), body_of(other))) not in joined]
+
+
+def overlapping(simulation, pairs):
+    """Those of the pairs that are in each other where the model is spawned: its shapes are rougher than its links.
+
+    Args: simulation: in which they touch; is stepped once.
+    """
+    simulation.step(1)
+    touching = {frozenset((each["a"], each["b"])) for each in simulation.contacts}
+    return [pair for pair in pairs if frozenset(pair) in touching]

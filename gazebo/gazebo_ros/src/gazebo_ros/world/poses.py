@@ -1,7 +1,8 @@
 """Poses as (position (3,), quaternion (4,) x y z w), and as matrices (4, 4)."""
 import numpy
 
-from .errors import BadValueError
+from aras_visual_servo_sim import ParameterError
+
 
 IDENTITY = numpy.eye(4)
 
@@ -9,12 +10,11 @@ IDENTITY = numpy.eye(4)
 def matrix_of(position, quaternion, what):
     """X, (4, 4). A quaternion of zeros is none at all, as Gazebo has it.
 
-    Raises:
-        BadValueError: a number that is not finite.
+    Raises: ParameterError: a number that is not finite.
     """
     position, quaternion = numpy.asarray(position, float), numpy.asarray(quaternion, float)
     if not (numpy.isfinite(position).all() and numpy.isfinite(quaternion).all()):
-        raise BadValueError("%s: found a number that is not finite, allowed are finite numbers" % what)
+        raise ParameterError("%s: found a number that is not finite, allowed are finite numbers" % what)
     norm = numpy.linalg.norm(quaternion)
     pose = numpy.eye(4)
     pose[:3, 3] = position

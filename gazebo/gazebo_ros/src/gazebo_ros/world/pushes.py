@@ -4,7 +4,7 @@ import dataclasses
 
 import numpy
 
-NEVER_NS = 2 ** 62
+NEVER_NS = 2 ** 62  #: a time that never comes
 
 
 @dataclasses.dataclass(frozen=True)
@@ -23,10 +23,7 @@ class Pushes:
     """All of a world. Those that act at the same time on one link or joint add up."""
 
     def __init__(self, models):
-        """
-        Args:
-            models: dict of name -> Model, of the world.
-        """
+        """Args: models: dict of name -> Model, of the world."""
         self._models, self._pushes = models, []
         self._pushed = set()
 
@@ -54,11 +51,6 @@ class Pushes:
         """When one of them begins or ends."""
         return min((time for push in self._pushes for time in (push.begin_ns, push.end_ns) if time > self._acted_ns),
                    default=NEVER_NS)
-
-    @property
-    def pushed(self):
-        """Names of the models that are pushed now."""
-        return self._pushed
 
     def entries(self):
         """All there are, as JSON has them."""

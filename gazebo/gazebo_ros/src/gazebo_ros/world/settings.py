@@ -1,11 +1,13 @@
-"""Settings of the world, and the simulator's world that is made of them."""
+"""Settings of the world, the simulator's world that is made of them, and its lights."""
 import dataclasses
 import typing
 
-from aras_visual_servo_sim import World
+from aras_visual_servo_sim import ArasError, ModelError, World, light_entry
 
-from .lights import SUN
 
+#: The light of a world that names none, model://sun: what the simulator has with `compatibility: gazebo`.
+SUN = {"name": "sun", "type": "directional", "direction": [-0.5, 0.5, -1.0], "color_rgb": [204.0] * 3,
+       "specular_rgb": [25.5] * 3, "casts_shadows": True}
 #: What cameras see of Gazebo's ground plane: 100 m wide, of its material Gazebo/Grey, which casts no shadow.
 GROUND_PLANE = {"name": "ground_plane", "box_m": [100.0, 100.0, 0.01], "position_m": [0.0, 0.0, -0.005],
                 "color_rgb": [178.5] * 3,
@@ -38,8 +40,26 @@ def world_of(settings: WorldSettings) -> World:
     scene = {"solids": [GROUND_PLANE]} if settings.ground else {}
     if settings.background_rgb != known.background_rgb:
         scene["background_rgb"] = list(settings.background_rgb)
-    if settings.ambient_rgb != known.ambient_rgb:
-        scene["lighting"] = {"ambient_rgb": list(settings.ambient_rgb), "lights": [SUN]}
+    if (settings.ambient_rgb, settings.shadows) != (known.ambient_rgb, known.shadows):
+        scene["lighting"] = {"ambient_rgb": list(settings.ambient_rgb),
+                             "lights": [{**SUN, "casts_shadows": settings.shadows}]}
     world = World({"compatibility": "gazebo", "period_s": settings.period_s, "scene": scene})
     world.set_ground(settings.plane_m, GROUND_FRICTION)
     return world
+
+
+def light_of(name, xml, pose):
+    """Entry of the simulator's sim.scene.lighting.lights.
+
+    Args: xml: <light> of SDF.  pose: (4, 4), of the frame that the element stands in.
+    Raises: ModelError: what is wrong with the text.
+    """
+    try:
+        entry = {**light_entry(xml), "name": name}
+    except ArasError as error:
+        raise ModelError("SpawnModel: Failure - entity format is invalid: %s" % error) from error
+    if "position_m" in entry:
+        entry["position_m"] = (pose @ (*entry["position_m"], 1.0))[:3].tolist()
+    if "direction" in entry:
+        entry["direction"] = (pose[:3, :3] @ entry["direction"]).tolist()
+    return entry

@@ -5,13 +5,12 @@ import json
 
 import numpy
 
-from aras_visual_servo_sim import ArasError
+from aras_visual_servo_sim import ArasError, ParameterError
 
-from .errors import BadValueError
 from .model import Model
 from .settings import WorldSettings, world_of
 
-FORMAT = "state of a world, 3"
+FORMAT = "state of a world, 4"
 
 
 def listed(spawned):
@@ -24,8 +23,7 @@ def saved(world):
     """bytes; the same of two worlds to which the same was done."""
     return json.dumps({
         "format": FORMAT, "epoch_ns": world.epoch_ns, "state": base64.b64encode(world.core.save_state()).decode(),
-        "settings": vars(world.settings), "lights": world.lights.entries(),
-        "pushes": world.pushes.entries(),
+        "settings": vars(world.settings), "pushes": world.pushes.entries(),
         "models": [{"spawned": listed(model.spawned), "loaded": model.loaded} for model in world.models.values()]
     }).encode()
 
@@ -38,16 +36,15 @@ def digest(world):
 def restore(world, state):
     """Makes a world what it was, controllers of its models included. Models that are not there are spawned anew.
 
-    Raises:
-        BadValueError: no such state; nothing changes then.  SpawnError: files that are gone.
+    Raises: ParameterError: no such state; nothing changes then.  ModelError: files that are gone.
     """
     try:
         record = json.loads(state)
         if record["format"] != FORMAT:
             raise ValueError
     except (ValueError, KeyError, TypeError) as error:
-        raise BadValueError("restore_state: found bytes that are no state of a world, allowed are those of save_state"
-                            ) from error
+        raise ParameterError("restore_state: found bytes that are no state of a world, allowed are those of "
+                             "save_state") from error
     settings = WorldSettings(**{key: tuple(value) if isinstance(value, list) else value
                                 for key, value in record["settings"].items()})
     there = {model.name: listed(model.spawned) for model in world.models.values()}
@@ -63,11 +60,11 @@ def restore(world, state):
     try:
         core.restore_state(base64.b64decode(record["state"]))
     except ArasError as error:
-        raise BadValueError("restore_state: %s" % error) from error
+        raise ParameterError("restore_state: %s" % error) from error
     for entry in record["models"]:
         name = entry["spawned"][0]
         if there.get(name) == entry["spawned"] and models[name] is not world.models[name]:
             vars(world.models[name]).update(vars(models[name]))  # who knows the model goes on knowing it
             models[name] = world.models[name]
         models[name].loaded = entry["loaded"]
-    world.take(core, record["epoch_ns"], settings, models, record["lights"], record["pushes"])
+    world.take(core, record["epoch_ns"], settings, models, record["pushes"])

@@ -4,18 +4,18 @@ import xml.etree.ElementTree as ElementTree
 
 import numpy
 
+from aras_visual_servo_sim import ArasError, ModelError, ParameterError, UnknownNameError
+
 from .description import located
-from .errors import BadValueError, SpawnError, UnknownEntityError
-from .lights import Lights
 from .model import Model
 from .poses import IDENTITY
 from .pushes import Pushes
 from ..sdf.document import NoFolders, expanded
-from ..sdf.materials import resolve_scripts
+from ..sdf.materials import painted, with_transmissions
 from ..sdf.model import model_of
 from ..sdf.world import GROUND, height_of
 from ..urdf.properties import with_joint, with_link
-from .settings import GROUND_FRICTION, GROUND_PLANE, WorldSettings, world_of
+from .settings import GROUND_FRICTION, GROUND_PLANE, WorldSettings, light_of, world_of
 
 #: Names of a frame that is none of a model.
 WORLD_FRAMES = ("", "world", "map")
@@ -28,19 +28,13 @@ class World:
         settings: WorldSettings.
         core: aras_visual_servo_sim.World, whose robots are the models.
         models: dict of name -> Model, in the order in which they were spawned.
-        lights: Lights.
         pushes: Pushes, wrenches and efforts from outside.
     """
 
     def __init__(self, settings=None, folders=NoFolders()):
-        """
-        Args:
-            folders: where packages, models and resources are, as NoFolders has it.
-        """
+        """Args: folders: where packages, models and resources are, as NoFolders has it."""
         self.settings = settings or WorldSettings()
         self.core, self.models = world_of(self.settings), {}
-        self.lights = Lights(shadows=self.settings.shadows)
-        self.lights.apply(self.core)
         self.pushes = Pushes(self.models)
         self._folders = folders
         self.epoch_ns = 0  #: time of tick 0: when the period became what it is, int [ns]
@@ -48,11 +42,6 @@ class World:
     @property
     def period_ns(self):
         return self.core.period_ns
-
-    @property
-    def ticks(self):
-        """Periods since the start, the last reset, or the last change of the period."""
-        return self.core.ticks
 
     @property
     def time_ns(self):
@@ -64,19 +53,18 @@ class World:
         return 1e-9 * (time_ns - self.epoch_ns)
 
     def step(self, ticks=1):
-        """Advances time by periods. Raises: BadValueError."""
+        """Advances time by periods. Raises: ParameterError."""
         if ticks < 0:
-            raise BadValueError("step: found %d periods, allowed >= 0" % ticks)
+            raise ParameterError("step: found %d periods, allowed >= 0" % ticks)
         self.core.step(ticks)
 
     def set_physics(self, period_s, gravity_m_s2):
         """From now on. Another period lets the joints rest where they are, and their controllers begin anew.
 
-        Raises:
-            BadValueError: the period cannot be; nothing changes then.
+        Raises: ParameterError: the period cannot be; nothing changes then.
         """
         if not 1e-6 <= period_s <= 0.1:
-            raise BadValueError("time_step: found %g s, allowed is 0.000001 to 0.1 s" % period_s)
+            raise ParameterError("time_step: found %g s, allowed is 0.000001 to 0.1 s" % period_s)
         self.settings = dataclasses.replace(self.settings, gravity_m_s2=tuple(gravity_m_s2))
         for model in self.models.values():
             self._renew(model, model.spawned[1])
@@ -84,9 +72,9 @@ class World:
             self._change_period(period_s)
 
     def remove_ground(self):
-        """Takes the ground plane out. Raises: UnknownEntityError: there is none."""
+        """Takes the ground plane out. Raises: UnknownNameError: there is none."""
         if not self.settings.ground:
-            raise UnknownEntityError("DeleteModel: model does not exist")
+            raise UnknownNameError("DeleteModel: model does not exist")
         self.core.delete_model(GROUND_PLANE["name"])
         self._change_ground(ground=False)
 
@@ -100,7 +88,7 @@ class World:
         self._renew(model, with_link(model.spawned[1], link, properties))
 
     def change_joint(self, name, joint, properties):
-        """Gives a joint other limits. Args: properties: JointProperties. Raises: as Model.renew."""
+        """Gives a joint other damping, friction or limits. Args: properties: dict of them. Raises: as Model.renew."""
         model = self.model(name)
         self._renew(model, with_joint(model.spawned[1], joint, properties))
 
@@ -111,8 +99,8 @@ class World:
     def _change_period(self, period_s):
         self.epoch_ns = self.time_ns
         self.settings = dataclasses.replace(self.settings, period_s=period_s)
-        self.core = world_of(self.settings)
-        self.lights.apply(self.core)
+        lights, self.core = self.lights, world_of(self.settings)
+        self._restore_lights(lights)
         for model in self.models.values():
             model.begin_anew(self.core, self.settings.gravity_m_s2)
         self.pushes.act(self.time_ns)
@@ -125,10 +113,8 @@ class World:
         Args:
             xml: a URDF document.  namespace: of its plugins.  pose: (4, 4), in the frame.
             frame: "" or world, or MODEL or MODEL::LINK.
-        Returns:
-            Model
-        Raises:
-            SpawnError: the name is empty or taken, what is wrong with the URDF.  UnknownEntityError: no such frame.
+        Returns: Model
+        Raises: ModelError: the name is empty or taken, what is wrong with the URDF.  UnknownNameError: no such frame.
         """
         X_WM = self._free_place(name, frame) @ pose
         xml, warnings = painted(xml, self._folders)
@@ -140,10 +126,8 @@ class World:
         Args:
             name: in place of the document's own.  pose: (4, 4), of the frame that the document's pose is given in.
             transmissions: a URDF whose <transmission>s tell which joints controllers may have.
-        Returns:
-            Model, None for a light.
-        Raises:
-            as spawn().
+        Returns: Model, None for a light.
+        Raises: as spawn().
         """
         X_WF = self._free_place(name, frame)
         bare = xml.lstrip().startswith(("<model", "<light"))
@@ -154,7 +138,7 @@ class World:
             self.spawn_light(name, ElementTree.tostring(light, encoding="unicode"), pose, frame)
             return None
         if element is None:
-            raise SpawnError("SpawnModel: Failure - entity format is invalid: %s" %
+            raise ModelError("SpawnModel: Failure - entity format is invalid: %s" %
                              ("; ".join(warnings) or "found neither <model> nor <light>"))
         model = model_of(element, self._folders)
         planes = [height_of(X_WF @ pose @ model.pose @ plane) for plane in model.planes]
@@ -167,12 +151,9 @@ class World:
     def place_sdf(self, name, model, X_WM, namespace="", transmissions="", warnings=()):
         """Adds a model as it was read.
 
-        Args:
-            model: SdfModel.  X_WM: (4, 4).
-        Returns:
-            Model
-        Raises:
-            SpawnError: the name is taken, what cannot be simulated.
+        Args: model: SdfModel.  X_WM: (4, 4).
+        Returns: Model
+        Raises: ModelError: the name is taken, what cannot be simulated.
         """
         self._free_place(name, "")
         urdf, said = painted(with_transmissions(model.urdf, transmissions), self._folders)
@@ -185,15 +166,15 @@ class World:
                          (*warnings, *model.warnings))
 
     def _free_place(self, name, frame):
-        """X_WF of a new model. Raises: SpawnError: the name cannot be, no such frame."""
+        """X_WF of a new model. Raises: ModelError: the name cannot be, no such frame."""
         if not name or "::" in name:
-            raise SpawnError("SpawnModel: Failure - found the name '%s', allowed is a name without ::" % name)
+            raise ModelError("SpawnModel: Failure - found the name '%s', allowed is a name without ::" % name)
         if name in self.models or name == GROUND and self.settings.ground:
-            raise SpawnError("SpawnModel: Failure - entity already exists.")
+            raise ModelError("SpawnModel: Failure - entity already exists.")
         try:
             return self.frame(frame)[0]
-        except UnknownEntityError as error:
-            raise SpawnError("SpawnModel: reference reference_frame not found, did you forget to scope the link by "
+        except UnknownNameError as error:
+            raise ModelError("SpawnModel: reference reference_frame not found, did you forget to scope the link by "
                              "model name?") from error
 
     def _add(self, name, xml, namespace, X_WM, X_MR=IDENTITY, warnings=()):
@@ -202,24 +183,24 @@ class World:
         return model
 
     def delete(self, name):
-        """Removes a model. Raises: UnknownEntityError."""
+        """Removes a model. Raises: UnknownNameError."""
         self.model(name)
         self.core.delete(name)
         del self.models[name]
         self.pushes.forget(name)
 
     def model(self, name):
-        """Raises: UnknownEntityError."""
+        """Raises: UnknownNameError."""
         try:
             return self.models[name]
         except KeyError:
-            raise UnknownEntityError("model '%s' does not exist, models are: %s" %
-                                     (name, ", ".join(self.models) or "none")) from None
+            raise UnknownNameError("model '%s' does not exist, models are: %s" %
+                                   (name, ", ".join(self.models) or "none")) from None
 
     def frame(self, name):
         """X_WF (4, 4) and twist (6,) [v; w] in world axes of the world, a MODEL, a MODEL::LINK, or a LINK.
 
-        Raises: UnknownEntityError.
+        Raises: UnknownNameError.
         """
         if name in WORLD_FRAMES:
             return IDENTITY, numpy.zeros(6)
@@ -229,45 +210,77 @@ class World:
         return model.link_pose(link), model.link_twist(link)
 
     def scoped(self, name):
-        """Model and link of MODEL::LINK, or of the name of a link that one model alone has. Raises: UnknownEntityError.
+        """Model and link of MODEL::LINK, or of the name of a link that one model alone has. Raises: UnknownNameError.
         """
         model, _, link = name.partition("::") if name.partition("::")[0] in self.models else name.rpartition("::")
         owners = [self.model(model)] if model else [each for each in self.models.values() if link in each.links]
         if not link or not owners or link not in owners[0].links:
-            raise UnknownEntityError("link '%s' does not exist" % name)
+            raise UnknownNameError("link '%s' does not exist" % name)
         return owners[0], link
 
     def joint_owner(self, joint):
-        """The model that has a joint. Raises: UnknownEntityError."""
+        """The model that has a joint. Raises: UnknownNameError."""
         for model in self.models.values():
             if joint in model.simulation.joint_names:
                 return model
-        raise UnknownEntityError("joint '%s' does not exist" % joint)
+        raise UnknownNameError("joint '%s' does not exist" % joint)
 
     # --- lights
+
+    @property
+    def lights(self):
+        """Entries of sim.scene.lighting.lights by name, besides the lights that links carry."""
+        return {name: entry for name, entry in self.core.lights.items() if "attached_to" not in entry}
+
+    def light(self, name):
+        """A copy of the entry of a light, to be changed and given to set_light(). Raises: UnknownNameError."""
+        try:
+            return self.lights[name]
+        except KeyError:
+            raise UnknownNameError("Requested light %s not found!" % name) from None
 
     def spawn_light(self, name, xml, pose=IDENTITY, frame=""):
         """Adds a light.
 
-        Args:
-            xml: a <light> of SDF.  pose: (4, 4), in the frame.  frame: as in spawn(); the light does not follow it.
-        Raises:
-            SpawnError, UnknownEntityError, BadValueError.
+        Args: xml: a <light> of SDF.  pose: (4, 4), in the frame.  frame: as in spawn(); the light does not follow it.
+        Raises: ModelError: the name is taken, what is wrong with the text.  UnknownNameError, ParameterError.
         """
-        self.set_light(self.lights.spawned(name, xml, self.frame(frame)[0] @ pose))
+        if name in self.lights:
+            raise ModelError("SpawnModel: Failure - entity already exists.")
+        self.set_light(light_of(name, xml, self.frame(frame)[0] @ pose))
 
     def take_lights(self, lights):
-        """These in place of those there are; text of <light> by name. Returns a line for each that is left out."""
-        return self.lights.take(lights, self.core)
+        """Puts these in the place of those there are; the first ones, if there are too many.
+
+        Args: lights: text of <light> by name.
+        Returns: a line for each that is left out.
+        """
+        for name in self.lights:
+            self.core.delete_light(name)
+        warnings = []
+        for name, xml in lights.items():
+            try:
+                self.spawn_light(name, xml)
+            except ArasError as error:
+                warnings.append("light '%s': %s: ignored" % (name, error))
+        return warnings
 
     def set_light(self, entry):
-        """Adds a light, or changes the one of its name; a dict as sim.scene.lighting.lights[]. Raises: BadValueError.
-        """
-        self.lights.set(entry, self.core)
+        """Adds a light, or changes the one of its name. Raises: ArasError; nothing changes then."""
+        self.core.set_light(entry if self.settings.shadows else {**entry, "casts_shadows": False})
 
     def delete_light(self, name):
-        """Raises: UnknownEntityError."""
-        self.lights.delete(name, self.core)
+        """Raises: UnknownNameError."""
+        self.light(name)
+        self.core.delete_light(name)
+
+    def _restore_lights(self, lights):
+        """Gives a world of the simulator that is at its start the lights that there were before."""
+        for name in set(self.lights) - set(lights):
+            self.core.delete_light(name)
+        for name, entry in lights.items():
+            if self.lights.get(name) != entry:
+                self.set_light(entry)
 
     # --- rays
 
@@ -276,8 +289,7 @@ class World:
         Args:
             X_WS: (4, 4), of the sensor.  directions: (n, 3), unit vectors in its axes.
             visuals: whether the rays meet <visual>s, only from outside; else <collision>s, from inside too.
-        Returns:
-            distances (n,) [m], infinite where nothing is met, and laser_retro of what is met, (n,).
+        Returns: distances (n,) [m], infinite where nothing is met, and laser_retro of what is met, (n,).
         """
         distances, links = self.core.cast_rays(X_WS[:3, 3], directions @ X_WS[:3, :3].T, nearest_m, farthest_m, visuals)
         retros = [self.models[model].description.retros.get(link, 0.0)
@@ -286,12 +298,11 @@ class World:
 
     # --- the whole state
 
-    def take(self, core, epoch_ns, settings, models, lights, pushes):
+    def take(self, core, epoch_ns, settings, models, pushes):
         """Makes this the world of another time; for snapshots."""
         self.core, self.epoch_ns, self.settings = core, epoch_ns, settings
         self.models.clear()
         self.models.update(models)
-        self.lights.become(lights)
         self.pushes.become(pushes, self.time_ns)
 
     # --- starting again
@@ -304,43 +315,16 @@ class World:
 
     def reset_simulation(self):
         """Time back to 0, models back to where they were spawned. Controllers that run begin anew."""
-        self.epoch_ns = 0
+        self.epoch_ns, lights = 0, self.lights
         self.pushes.forget()
         self.core.reset()
         if GROUND_PLANE["name"] in self.core.model_names and not self.settings.ground:
             self.core.delete_model(GROUND_PLANE["name"])
         elif GROUND_PLANE["name"] not in self.core.model_names and self.settings.ground:
             self.core.spawn_model(GROUND_PLANE)
-        self.lights.apply(self.core)
+        self._restore_lights(lights)
         self._lift()
 
     def _lift(self):
         for model in self.models.values():
             model.push({}, {})
-
-
-def painted(xml, folders):
-    """A URDF with what scripts of materials say in their place, and a list of what is ignored of them."""
-    if "<script" not in xml:
-        return xml, []
-    try:
-        robot = ElementTree.fromstring(xml)
-    except ElementTree.ParseError:
-        return xml, []  # who reads it says what is wrong
-    warnings = []
-    resolve_scripts(robot, folders, warnings)
-    return ElementTree.tostring(robot, encoding="unicode"), warnings
-
-
-def with_transmissions(urdf, described):
-    """A URDF with the <transmission>s that another one has of its joints."""
-    if not described:
-        return urdf
-    robot = ElementTree.fromstring(urdf)
-    joints = {joint.get("name") for joint in robot.findall("joint")}
-    try:
-        robot.extend(each for each in ElementTree.fromstring(described).findall("transmission")
-                     if joints.issuperset(end.get("name") for end in each.findall("joint")))
-    except ElementTree.ParseError:
-        return urdf  # no URDF: then it has none
-    return ElementTree.tostring(robot, encoding="unicode")

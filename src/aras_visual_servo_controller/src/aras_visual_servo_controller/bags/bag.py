@@ -10,8 +10,7 @@ from typing import Any, Dict, List, Optional, Sequence, Tuple, Union
 import numpy as np
 import yaml
 
-from aras_visual_servo import (FEATURE_NAMES, RecordBuilder, RunRecord, STOP_NAMES, Scenario, ShapeError, image_of,
-                               load_plugins)
+from aras_visual_servo import FEATURE_NAMES, RecordBuilder, RunRecord, STOP_NAMES, Scenario, image_of, load_plugins
 from aras_visual_servo.spatial import pose_from_quaternion
 from .files import BagError, BagFiles
 from .record_groups import SOURCE_TOPICS, lacking
@@ -33,8 +32,7 @@ def read_bag(paths: Union[str, Path, Sequence[Union[str, Path]]], namespace: Opt
         namespace: of the run, e.g. "/aras_visual_servo"; None takes the only one in the bag.
         scenario: `Scenario` of the run; None takes it from the topic `scenario` (std_msgs/String, YAML) if recorded.
         keep_images: keep every image of the servo phase in the record, for a video.
-    Returns:
-        RunRecord. Its `notes` say what was not recorded, is missing or was cut off.
+    Returns: RunRecord. Its `notes` say what was not recorded, is missing or was cut off.
     Raises:
         BagError: the file is missing or no bag, topics are missing (all are listed), there are several runs to choose
             from, or no row of a run.
@@ -65,30 +63,21 @@ def find_topics(bags: BagFiles, namespace: Optional[str] = None) -> Dict[str, st
 
 
 def _read(bags, topics, scenario, keep_images):
-    states, features, poses, statuses = [], {}, {}, []
-    camera_info, targets, document, published = None, {}, None, None
     names = {topic: name for name, topic in topics.items() if name != "camera/image_raw"}
+    found = {name: [] for name in REQUIRED + OPTIONAL}
     for topic, message in bags.messages(names):
-        name = names[topic]
-        if name == "servo_state":
-            states.append(message)
-        elif name == "camera/features":
-            features[message.header.stamp.to_nsec()] = message
-        elif name == "ground_truth/camera_pose":
-            poses[message.header.stamp.to_nsec()] = pose_matrix(message.pose)
-        elif name == "ground_truth/target_pose":
-            targets[message.header.stamp.to_nsec()] = pose_matrix(message.pose)
-        elif name == "camera/camera_info":
-            camera_info = camera_info or camera_info_of(message)
-        elif name == "sim/status":
-            statuses.append(message)
-        elif name == "sim/recording":
-            published = dict(zip(message.topics, message.published))
-        elif name == "scenario":
-            document = message.data
-    states = _unique_rows(states)
+        found[names[topic]].append(message)
+    # Of equal stamps the last row counts: a restarted controller may answer an image again.
+    states = [state for _, state in sorted(_by_stamp(found["servo_state"]).items())]
     if not states:
         raise BagError(f"bag '{bags.name}': {topics['servo_state']} holds no image's row")
+    features, statuses = _by_stamp(found["camera/features"]), found["sim/status"]
+    poses, targets = ({stamp_ns: pose_matrix(message.pose) for stamp_ns, message in _by_stamp(found[name]).items()}
+                      for name in ("ground_truth/camera_pose", "ground_truth/target_pose"))
+    camera_info = camera_info_of(found["camera/camera_info"][0]) if found["camera/camera_info"] else None
+    document = found["scenario"][-1].data if found["scenario"] else None
+    published = {topic: number for message in found["sim/recording"][-1:]
+                 for topic, number in zip(message.topics, message.published)}
     recorded, losses = _compare(bags, published)
     notes = bags.notes + lacking(topics) + losses
     settings, scenario_name = settings_of(scenario, document, notes)
@@ -132,9 +121,9 @@ def _read(bags, topics, scenario, keep_images):
 
 
 def _compare(bags, published):
-    """({topic: {"published": n, "in_bag": m}}, notes about what is missing). published: topic -> number, or None."""
+    """({topic: {"published": n, "in_bag": m}}, notes about what is missing). published: topic -> number."""
     counts = {topic: {"published": number, "in_bag": bags.count(topic)}
-              for topic, number in sorted((published or {}).items())}
+              for topic, number in sorted(published.items())}
     return counts, [f"LOST in recording: {topic}: {count['published']} messages were published, {count['in_bag']} are "
                     "in the bag" for topic, count in counts.items() if count["in_bag"] < count["published"]]
 
@@ -156,10 +145,9 @@ class _Answer:
             setattr(self, name, getattr(message, name, np.nan))
 
 
-def _unique_rows(states):
-    """The states by stamp. Of equal stamps the last one counts: a restarted controller may answer an image again."""
-    by_stamp = {state.header.stamp.to_nsec(): state for state in states}
-    return [by_stamp[stamp] for stamp in sorted(by_stamp)]
+def _by_stamp(messages):
+    """Dict of stamp [ns] -> the last message of it."""
+    return {message.header.stamp.to_nsec(): message for message in messages}
 
 
 def _stamps_to_keep(states, every):
@@ -175,18 +163,10 @@ def _images(bags, topic, stamps):
     for _, message in bags.messages([topic]):
         stamp_ns = message.header.stamp.to_nsec()
         if stamp_ns in stamps:
-            images[stamp_ns] = decode(message)
+            images[stamp_ns] = image_of(message)
             if len(images) == len(stamps):
                 break
     return images
-
-
-def decode(message: Any) -> np.ndarray:
-    """The image of a sensor_msgs/Image, as `image_of` gives it. Raises: BagError: another encoding."""
-    try:
-        return image_of(message)
-    except ShapeError as error:
-        raise BagError(str(error)) from None
 
 
 def decode_depth(message: Any) -> np.ndarray:

@@ -26,12 +26,9 @@ class BagError(ArasError):
 class BagFiles:
     """Context in which the bags of a run are open, in the order of time.
 
-    Args:
-        paths: of a bag, of a folder of bags, or a list of bags. One part of a split bag stands for all of it.
-    Attributes:
-        name: of the run, for messages.  notes: what was joined or repaired, in words.
-    Raises:
-        BagError: a file is missing, is no bag, or cannot be repaired.
+    Args: paths: of a bag, of a folder of bags, or a list of bags. One part of a split bag stands for all of it.
+    Attributes: name: of the run, for messages.  notes: what was joined or repaired, in words.
+    Raises: BagError: a file is missing, is no bag, or cannot be repaired.
     """
 
     def __init__(self, paths: Any) -> None:
@@ -109,10 +106,8 @@ class BagFiles:
 def find_bags(paths: Any) -> Tuple[List[Path], List[str]]:
     """(files, notes) of a run: list of Path, and list of str saying what was joined or is missing.
 
-    Args:
-        paths: list of bags and folders.
-    Raises:
-        BagError: a file does not exist, or a folder holds no bag.
+    Args: paths: list of bags and folders.
+    Raises: BagError: a file does not exist, or a folder holds no bag.
     """
     found, notes = [], []
     for path in map(Path, paths):

@@ -42,12 +42,10 @@ def parse_groups(value: str) -> Tuple[str, ...]:
         value: "all", names with commas between ("images, truth"), a list of names, or names with a minus
             ("-images,-tf") for all groups but these. The group `servo` is always among them, those of ON_DEMAND only
             if they are named ("all, segmentation").
-    Returns:
-        tuple of names, in the order of GROUPS and ON_DEMAND.
-    Raises:
-        ParameterError: a name is unknown (the known ones are listed), or names with and without a minus are mixed.
+    Returns: tuple of names, in the order of GROUPS and ON_DEMAND.
+    Raises: ParameterError: a name is unknown (the known ones are listed), or names with and without a minus are mixed.
     """
-    names = [str(name).strip() for name in (value.split(",") if isinstance(value, str) else value)]
+    names = [str(name).strip() for name in (value if isinstance(value, (list, tuple)) else str(value).split(","))]
     names = [name for name in names if name]
     known = ", ".join((*GROUPS, *ON_DEMAND))
     faults = [f"record_groups: found '{name}', allowed all | {known}, or -NAME to leave one out"

@@ -8,8 +8,8 @@ import math
 from dataclasses import dataclass
 from typing import Any, Optional
 
-from aras_visual_servo import Scenario, known_sources
-from .bag import camera_info_of, decode, decode_depth, find_topics, settings_of
+from aras_visual_servo import Scenario, image_of, known_sources
+from .bag import camera_info_of, decode_depth, find_topics, settings_of
 from .files import BagError, BagFiles
 
 ALWAYS = "camera/features"              # the camera node makes these of every image
@@ -51,12 +51,9 @@ class Replay:
 def replay(paths: Any, namespace: Optional[str] = None, scenario: Optional[Scenario] = None) -> Replay:
     """Process the images of a bag again, with the camera and the vision settings of the run.
 
-    Args:
-        paths, namespace, scenario: see `bag.read_bag`.
-    Returns:
-        Replay.
-    Raises:
-        BagError: images, features or camera_info were not recorded, or the settings are unknown.
+    Args: paths, namespace, scenario: see `bag.read_bag`.
+    Returns: Replay.
+    Raises: BagError: images, features or camera_info were not recorded, or the settings are unknown.
     """
     with BagFiles(paths) as bags:
         topics = find_topics(bags, namespace)
@@ -91,7 +88,7 @@ def replay(paths: Any, namespace: Optional[str] = None, scenario: Optional[Scena
             if topic != image_topic:
                 depth, depth_ns = decode_depth(message), stamp_ns
                 continue
-            image = decode(message)
+            image = image_of(message)
             for name, comparison in compared.items():
                 comparison.add(stamp_ns, image, *((depth,) if name in wanted and depth_ns == stamp_ns else ()))
     differences = tuple(difference for comparison in compared.values() for difference in comparison.differences)

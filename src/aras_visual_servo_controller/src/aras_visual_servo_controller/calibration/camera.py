@@ -86,8 +86,7 @@ class CameraCalibration:
 def calibrate_camera(views: Sequence[np.ndarray], board: Board, size: Tuple[int, int]) -> CameraCalibration:
     """`CameraCalibration` from views of a board.
 
-    Args:
-        views: list of (n, 2) pixels, as `Board.find` gives them.  size: (width, height) of the images [px].
+    Args: views: list of (n, 2) pixels, as `Board.find` gives them.  size: (width, height) of the images [px].
     Raises: ParameterError: too few views.
     """
     import cv2

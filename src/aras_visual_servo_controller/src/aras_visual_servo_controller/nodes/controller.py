@@ -7,7 +7,6 @@ already hold its lock when they are called, so they only put work into the worke
 """
 
 import queue
-import sys
 import threading
 import time
 import traceback
@@ -25,12 +24,11 @@ from aras_visual_servo_msgs.msg import ServoState, SimStatus, VisualServoAction,
 from aras_visual_servo_msgs.srv import PauseAt, PauseAtRequest, SetReference, SetReferenceRequest, Teach, TeachResponse
 from ..real.float_commands import SetPointIntegrator
 from . import conversions as convert
-from .calls.action_server import ActionServer
+from .calls import ActionServer, call_service
 from .null_space_topic import NullSpaceTopic
 from .parameters import ControllerSetup, Parameters
 
 LONGEST_PAUSE_S = 1e4     # simulated time after the end of a goal
-SERVICE_TIMEOUT_S = 5.0   # wall time; camera/set_reference
 WORKER_PERIOD_S = 0.05    # wall time; watchdog
 STATUS_PERIOD_S = 0.2     # wall time; actionlib's status topic
 CLOCK_LAG_NS = 500000000  # simulated time by which the clock may come later than images; more is a clock set back
@@ -104,7 +102,6 @@ class ControllerNode:
         self._server = ActionServer("servo", VisualServoAction)
         self._server.register_goal_callback(lambda: self._work.put(self._accept_goal))
         self._server.register_preempt_callback(lambda: self._work.put(self._preempt))
-        self._camera_reference = rospy.ServiceProxy("camera/set_reference", SetReference)
         self._pause_at = rospy.ServiceProxy("sim/pause_at", PauseAt)
         self._connect_arm()
         self._server.start()
@@ -336,16 +333,13 @@ class ControllerNode:
     def _teach_camera(self, stamp_ns, z_star_m):
         """Make the image of this stamp the camera node's reference, however many have come since.
 
-        Raises:
-            ParameterError: the camera node refused.  rospy.ROSException, ServiceException: it does not answer.
+        Raises: ParameterError: the camera node refused.  rospy.ROSException, ServiceException: it does not answer.
         """
         if stamp_ns == 0:
             raise ParameterError("camera/set_reference: the image of time 0 cannot be asked for (a stamp of 0 means "
                                  "none), teach a later one")
-        self._camera_reference.wait_for_service(SERVICE_TIMEOUT_S)
-        response = self._camera_reference(SetReferenceRequest(z_star_m=z_star_m, stamp=convert.to_time(stamp_ns)))
-        if not response.success:
-            raise ParameterError(f"camera/set_reference: {response.message}")
+        call_service("camera/set_reference", SetReference,
+                     SetReferenceRequest(z_star_m=z_star_m, stamp=convert.to_time(stamp_ns)))
 
     def _watch(self):
         wall_s, now_ns = time.monotonic(), convert.now_ns()
@@ -403,7 +397,3 @@ def main(make: Callable[[], Any] = ControllerNode) -> int:
         return EXIT_PARAMETERS
     node.spin()
     return EXIT_STOPPED
-
-
-if __name__ == "__main__":
-    sys.exit(main())

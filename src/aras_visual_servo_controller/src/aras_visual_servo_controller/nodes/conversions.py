@@ -8,6 +8,7 @@ from typing import Any, Sequence
 import numpy as np
 import roslib.message
 import rospy
+from geometry_msgs.msg import Twist, Vector3
 from sensor_msgs.msg import Image, JointState
 
 from aras_visual_servo import Command, NotFiniteError, ParameterError, ServoRecord, ShapeError
@@ -90,8 +91,7 @@ def command_message(command: Command) -> JointState:
 
     NaN stands for a position or velocity that the command does not give for a joint. A command without any is an
     acknowledgement.
-    Raises:
-        NotFiniteError: a position or velocity of the command is NaN or infinite; no part of it may be sent then.
+    Raises: NotFiniteError: a position or velocity of the command is NaN or infinite; no part of it may be sent then.
     """
     message = JointState()
     message.header.stamp = to_time(command.stamp_ns)
@@ -155,18 +155,15 @@ def state_message(record: ServoRecord, frame_id: str) -> ServoState:
     message = ServoState()
     message.header.stamp = to_time(record.stamp_ns)
     message.header.frame_id = frame_id
-    message.status = int(record.status)
-    message.status_text, message.phase, message.converged = record.status_text, record.phase, bool(record.converged)
-    message.feature_names = record.feature_names
-    message.s, message.s_star, message.e = _plain(record.s), _plain(record.s_star), _plain(record.e)
-    twist = message.twist
-    (twist.linear.x, twist.linear.y, twist.linear.z,
-     twist.angular.x, twist.angular.y, twist.angular.z) = _plain(record.twist)
-    message.joint_names = record.joint_names
-    message.q, message.q_dot, message.set_point = _plain(record.q), _plain(record.q_dot), _plain(record.set_point)
-    message.manipulability, message.cond_l = float(record.manipulability), float(record.cond_l)
-    message.tilt_rad = float(record.tilt_rad)
-    message.position_m, message.rotation_rad = float(record.position_m), float(record.rotation_rad)
+    message.status, message.converged = int(record.status), bool(record.converged)
+    for name in ("status_text", "phase", "feature_names", "joint_names"):
+        setattr(message, name, getattr(record, name))
+    for name in ("s", "s_star", "e", "q", "q_dot", "set_point"):
+        setattr(message, name, _plain(getattr(record, name)))
+    for name in ("manipulability", "cond_l", "tilt_rad", "position_m", "rotation_rad"):
+        setattr(message, name, float(getattr(record, name)))
+    twist = _plain(record.twist)
+    message.twist = Twist(Vector3(*twist[:3]), Vector3(*twist[3:]))
     return message
 
 

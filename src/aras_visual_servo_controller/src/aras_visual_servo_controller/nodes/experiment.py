@@ -9,7 +9,6 @@ The node waits on wall time, because simulated time stands still while the simul
 
 import dataclasses
 import os
-import sys
 import threading
 import time
 from pathlib import Path
@@ -28,7 +27,7 @@ from aras_visual_servo_msgs.msg import (SimStatus, VisualServoActionFeedback, Vi
 from aras_visual_servo_msgs.srv import Step
 from ..bags.bag import read_bag
 from ..bags.record_groups import COMPRESSIONS, is_chosen, lacking, parse_groups
-from .calls.goal_sender import GoalSender
+from .calls import GoalSender
 from .graph import Graph
 from .parameters import Parameters
 from .recording import Recording
@@ -59,20 +58,13 @@ class ExperimentNode:
         self._results = Path(os.path.expanduser(parameters.value("~results_dir", "results")))
         self._record = parameters.value("~record", True)
         self._split_mb = parameters.value("~record_split_mb", 0, minimum=0)
-        self._compression = parameters.choice("~record_compression", "lz4", COMPRESSIONS)
+        self._compression = parameters.value("~record_compression", "lz4", allowed=COMPRESSIONS)
         self._video = parameters.value("~video", False)
-        self._groups = ()
-        try:
-            self._groups = parse_groups(rospy.get_param("~record_groups", "all"))
-        except (ParameterError, TypeError) as error:
-            parameters.add(error)
+        self._groups = parameters.build(parse_groups, rospy.get_param("~record_groups", "all"))
         self._startup_timeout_s = parameters.value("~startup_timeout_s", 60.0, minimum=1.0)
         self._stall_timeout_s = parameters.value("~stall_timeout_s", 60.0, minimum=1.0)
         parameters.known(PRIVATE_PARAMETERS)
-        try:
-            self._scenario = scenario_from_dict(rospy.get_param("scenario", {}), source="scenario")
-        except ParameterError as error:
-            parameters.add(error)
+        self._scenario = parameters.build(scenario_from_dict, rospy.get_param("scenario", {}), "scenario")
         parameters.check()
         self._graph = Graph(rospy.get_name(), os.environ["ROS_MASTER_URI"])
         self._recording = None
@@ -335,25 +327,15 @@ def main() -> int:
             with study("report").Drawing(at_once=False) as drawing:
                 rospy.init_node("experiment", disable_signals=True)  # rospy would not end what runs in the main thread
                 path = rospy.get_param("~exit_code_file", "")
-                code = _run(drawing)
+                code = ExperimentNode(drawing).run()
         except Interrupted as interrupt:
             rospy.logfatal("%s", interrupt)
             code = interrupt.exit_code
+        except ParameterError as error:
+            rospy.logfatal("bad parameters:\n%s", error)
+            code = EXIT_PARAMETERS
+        except (ArasError, rospy.ROSException, rospy.ServiceException) as error:
+            rospy.logfatal("%s", error)
         if path:
             Path(path).write_text(f"{code}\n", encoding="ascii")
         return code
-
-
-def _run(drawing):
-    try:
-        return ExperimentNode(drawing).run()
-    except ParameterError as error:
-        rospy.logfatal("bad parameters:\n%s", error)
-        return EXIT_PARAMETERS
-    except (ArasError, rospy.ROSException, rospy.ServiceException) as error:
-        rospy.logfatal("%s", error)
-        return EXIT_BROKEN
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -32,44 +32,36 @@ def _server(uri):
 class Graph:
     """Reads the present state of the ROS graph.
 
-    Args:
-        caller_id: name of this node.  master_uri: as in ROS_MASTER_URI.
+    Args: caller_id: name of this node.  master_uri: as in ROS_MASTER_URI.
     """
 
     def __init__(self, caller_id: str, master_uri: Optional[str]) -> None:
         self._caller_id = caller_id
         self._master = _server(master_uri)
 
+    def _answer(self, server, method, *arguments):
+        """Answer of the master or a node; None if it does not come or is a refusal."""
+        try:
+            code, _, value = getattr(server, method)(self._caller_id, *arguments)
+        except _FAILURES:
+            return None
+        return value if code == 1 else None
+
     def master_answers(self) -> bool:
         """True if there is a master."""
-        try:
-            return self._master.getPid(self._caller_id)[0] == 1
-        except _FAILURES:
-            return False
+        return self._answer(self._master, "getPid") is not None
 
     def _state(self):
         """(publishers, subscribers, services), each a list of [name, nodes]; empty without a master."""
-        try:
-            code, _, state = self._master.getSystemState(self._caller_id)
-        except _FAILURES:
-            return [], [], []
-        return state if code == 1 else ([], [], [])
+        return self._answer(self._master, "getSystemState") or ([], [], [])
 
     def node_uri(self, node: str) -> Optional[str]:
         """XML-RPC URI of a node, None if the master does not know it. It changes when a node is started again."""
-        try:
-            code, _, uri = self._master.lookupNode(self._caller_id, node)
-        except _FAILURES:
-            return None
-        return uri if code == 1 else None
+        return self._answer(self._master, "lookupNode", node)
 
     def master_uri(self) -> Optional[str]:
         """URI of the master as it names itself, the same for everybody; None without a master."""
-        try:
-            code, _, uri = self._master.getUri(self._caller_id)
-        except _FAILURES:
-            return None
-        return uri if code == 1 else None
+        return self._answer(self._master, "getUri")
 
     def running(self, nodes: Iterable[str]) -> List[str]:
         """Those of `nodes` that the master knows and that answer: one that was killed stays known to the master."""
@@ -136,16 +128,8 @@ class Graph:
     def _ends(self, node, direction):
         """List of (topic, other node, (own port, other's port) or None) of a node's connections in that direction."""
         uri = self.node_uri(node)
-        if uri is None:
-            return []
-        try:
-            code, _, connections = _server(uri).getBusInfo(self._caller_id)
-        except _FAILURES:
-            return []
-        if code != 1:
-            return []
         ends = []
-        for entry in connections:
+        for entry in self._answer(_server(uri), "getBusInfo") or [] if uri else []:
             if entry[2] == direction and (len(entry) < 6 or entry[5]):
                 found = _PORTS.search(entry[6]) if len(entry) > 6 else None
                 ends.append((entry[4], entry[1], found and found.groups()))

@@ -38,8 +38,7 @@ def run_over_ros(scenario: Scenario, results_dir: str, arguments: Sequence[str] 
         verbose: show the output of the nodes; without it the output goes to roslaunch.log in the result folder, and
             only the outcome is printed.
         namespace: of the graph, with a clock and frames of its own; None: that of servo.launch, with the global ones.
-    Returns:
-        exit code of the experiment node: 0 passed, 1 not passed, 2 bad parameters, 3 could not run.
+    Returns: exit code of the experiment node: 0 passed, 1 not passed, 2 bad parameters, 3 could not run.
     Raises:
         ArasError: there is no roslaunch in PATH, or a run of this namespace is there already.
         Interrupted: by a signal; what was recorded is in a closed bag.

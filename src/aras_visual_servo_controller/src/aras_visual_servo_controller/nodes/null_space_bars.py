@@ -39,10 +39,8 @@ def draw(names: Sequence[str], camera: np.ndarray, null: np.ndarray) -> np.ndarr
 
     The length of a bar is the square root of the share, so that the slow motion near the goal is still visible on the
     same scale as the fast one at the start.
-    Args:
-        names: of the n joints.  camera, null: (n,) as of `shares`.
-    Returns:
-        (h, w, 3) uint8 RGB.
+    Args: names: of the n joints.  camera, null: (n,) as of `shares`.
+    Returns: (h, w, 3) uint8 RGB.
     """
     picture = np.full((_TOP + _ROW * len(names) + _BOTTOM, _WIDTH, 3), _PAPER, np.uint8)
     bottom, middle, half = len(picture) - _BOTTOM, (_LEFT + _RIGHT) // 2, (_RIGHT - _LEFT) // 2

@@ -17,34 +17,29 @@ class Parameters:
 
     >>> parameters = Parameters()
     >>> servo = parameters.section("servo")
-    >>> interface = parameters.choice("~command_interface", "joint_command", ("joint_command", "float64"))
+    >>> interface = parameters.value("~command_interface", "joint_command", allowed=("joint_command", "float64"))
     >>> parameters.check()
     """
 
     def __init__(self) -> None:
         self.faults = []
 
-    def section(self, name: str) -> Dict[str, Any]:
+    def section(self, name: str, required: bool = True) -> Dict[str, Any]:
         """A section of the scenario: private parameter `~name`, else `scenario/name` in the node's namespace.
 
-        Returns:
-            dict; {} if it is missing or no mapping, which is a fault.
+        Returns: dict; {} if it is no mapping, or if it is missing and required, which are faults.
         """
-        for key in ("~" + name, "scenario/" + name):
-            if rospy.has_param(key):
-                value = rospy.get_param(key)
-                if isinstance(value, dict):
-                    return value
-                self.faults.append(f"{rospy.resolve_name(key)}: found {value!r}, allowed a mapping of keys")
-                return {}
-        self.faults.append(f"{name}: missing, allowed {rospy.resolve_name('~' + name)} or "
-                           f"{rospy.resolve_name('scenario/' + name)}")
+        keys = ("~" + name, "scenario/" + name)
+        found = next((key for key in keys if rospy.has_param(key)), None)
+        if found is None:
+            if required:
+                self.faults.append(f"{name}: missing, allowed {' or '.join(map(rospy.resolve_name, keys))}")
+            return {}
+        value = rospy.get_param(found)
+        if isinstance(value, dict):
+            return value
+        self.faults.append(f"{name}: found {value!r} at {rospy.resolve_name(found)}, allowed a mapping of keys")
         return {}
-
-    def optional_section(self, name: str) -> Dict[str, Any]:
-        """As `section`, {} without a fault if it is missing."""
-        found = rospy.has_param("~" + name) or rospy.has_param("scenario/" + name)
-        return self.section(name) if found else {}
 
     def searched(self, name: str) -> Any:
         """Text of a parameter in this node's namespace or one above; "" if it is missing, which is a fault."""
@@ -56,37 +51,31 @@ class Parameters:
             return ""
         return value
 
-    def value(self, key: str, default: Any, minimum: Optional[float] = None) -> Any:
-        """Value of a parameter, which has to have the type of its default; a number may have a minimum."""
+    def value(self, key: str, default: Any, minimum: Optional[float] = None, allowed: Sequence[str] = ()) -> Any:
+        """Value of a parameter, which has to have the type of its default.
+
+        Args: minimum: of a number.  allowed: texts, unless it is empty.
+        """
         value, kind = rospy.get_param(key, default), type(default)
         if kind is float and isinstance(value, int) and not isinstance(value, bool):
             value = float(value)
         if not isinstance(value, kind) or (kind is not bool and isinstance(value, bool)):
-            self.faults.append(f"{key}: found {value!r}, allowed {_TYPES[kind]}")
-            return default
-        if minimum is not None and not value >= minimum:
-            self.faults.append(f"{key}: found {value!r}, allowed >= {minimum}")
-            return default
-        return value
-
-    def choice(self, key: str, default: str, allowed: Sequence[str]) -> str:
-        """Text of a parameter that has to be one of `allowed`."""
-        value = self.value(key, default)
-        if value not in allowed:
-            self.faults.append(f"{key}: found {value!r}, allowed {' | '.join(allowed)}")
-            return default
-        return value
-
-    def add(self, error: Exception) -> None:
-        """Add the faults of an error that a core class raised."""
-        self.faults.extend(getattr(error, "faults", None) or [str(error)])
+            fault = _TYPES[kind]
+        elif minimum is not None and not value >= minimum:
+            fault = f">= {minimum}"
+        elif allowed and value not in allowed:
+            fault = " | ".join(allowed)
+        else:
+            return value
+        self.faults.append(f"{key}: found {value!r}, allowed {fault}")
+        return default
 
     def build(self, factory: Callable[..., Any], *arguments: Any) -> Any:
         """The result of factory(*arguments), or None if it raises an ArasError, whose faults are then added."""
         try:
             return factory(*arguments)
         except ArasError as error:
-            self.add(error)
+            self.faults.extend(getattr(error, "faults", None) or [str(error)])
             return None
 
     def known(self, names: Sequence[str], prefix: str = "~") -> None:
@@ -104,10 +93,8 @@ class Parameters:
 class ControllerSetup:
     """Reads the controller node's parameters and makes the objects of the core from them.
 
-    Args:
-        teach_camera: function that makes an image the camera's reference, see `ExperimentSequence`.
-    Raises:
-        ParameterError: lists every fault.
+    Args: teach_camera: function that makes an image the camera's reference, see `ExperimentSequence`.
+    Raises: ParameterError: lists every fault.
 
     Attributes:
         kinematics, servo, sequence: the objects of the core.
@@ -120,7 +107,7 @@ class ControllerSetup:
         robot, servo = parameters.section("robot"), parameters.section("servo")
         experiment = parameters.section("experiment")
         urdf = parameters.searched("robot_description")
-        interface = parameters.choice("~command_interface", "joint_command", ("joint_command", "float64"))
+        interface = parameters.value("~command_interface", "joint_command", allowed=("joint_command", "float64"))
         self.feedback_rate_hz = parameters.value("~feedback_rate_hz", 10.0, minimum=0.1)
         parameters.known(CONTROLLER_PARAMETERS)
         if robot:

@@ -29,14 +29,14 @@ class RealControllerNode(ControllerNode):
     def _read_parameters(self):
         super()._read_parameters()
         parameters = Parameters()
-        section = parameters.optional_section("real")
+        section = parameters.section("real", required=False)
         parameters.check()
         settings = self._settings = RealSettings.from_dict(section, self._kinematics.joint_names)
         if self._float_publishers:
             raise ParameterError("command_interface: found float64, allowed with a real arm: joint_command (what the "
                                  "arm takes says real.command)")
         if settings.predict and self._servo.source.name != "moments":
-            raise ParameterError(f"real/predict: found true with features of {self._servo.source.name}, allowed with "
+            raise ParameterError(f"real.predict: found true with features of {self._servo.source.name}, allowed with "
                                  "features of moments and points")
         self._link = ArmLink(self._kinematics, settings, self._servo.config.input_timeout_s)
         self._form, self._publishers = make_form(settings), {}

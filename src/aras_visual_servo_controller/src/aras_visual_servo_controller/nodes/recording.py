@@ -26,8 +26,7 @@ class Recording:
     Args:
         bag: path of the bag, must not exist.  topics: resolved names.  compression: one of COMPRESSIONS.
         split_mb: size after which a new bag begins, NAME_0.bag, NAME_1.bag, ... [MiB]; 0 writes one bag.
-    Raises:
-        RecordingError: it cannot start.
+    Raises: RecordingError: it cannot start.
     """
 
     def __init__(self, bag: Path, topics: Any, compression: str = "lz4", split_mb: int = 0) -> None:
@@ -46,9 +45,8 @@ class Recording:
 
     def bags(self) -> List[Path]:
         """Paths of the bags so far in order, the closed ones and the one that is being written."""
-        names = [f"{self.bag.stem}_*.bag", f"{self.bag.stem}_*.bag.active"] if self._split else \
-            [self.bag.name, f"{self.bag.name}.active"]
-        found = [path for name in names for path in self.bag.parent.glob(name)]
+        name = f"{self.bag.stem}_*.bag" if self._split else self.bag.name
+        found = [path for ending in ("", ".active") for path in self.bag.parent.glob(name + ending)]
         return sorted(found, key=lambda path: (len(path.name.partition(".")[0]), path.name))
 
     def settle(self) -> None:
@@ -75,8 +73,7 @@ class Recording:
     def stop(self) -> None:
         """End the recording and wait until the bag is closed. Does no harm if it has ended already.
 
-        Raises:
-            RecordingError: the bag is not whole.
+        Raises: RecordingError: the bag is not whole.
         """
         if not self._running:
             return

@@ -5,22 +5,22 @@ sees (`camera_frustum`), and buttons in the 3-D view (`buttons`): run again, ser
 It listens only, but for what a button asks for.
 """
 
-import sys
 import time
 from collections import OrderedDict
 from typing import Any
 
 import rospy
-from geometry_msgs.msg import Point
+from geometry_msgs.msg import Point, Pose, Quaternion, Vector3
 from interactive_markers.interactive_marker_server import InteractiveMarkerServer
 from sensor_msgs.msg import CameraInfo, Image
+from std_msgs.msg import ColorRGBA, Header
 from std_srvs.srv import Empty, Trigger
 from visualization_msgs.msg import InteractiveMarker, InteractiveMarkerControl, InteractiveMarkerFeedback, Marker
 
 from aras_visual_servo import ParameterError
 from aras_visual_servo_msgs.msg import ServoState, VisualServoActionGoal
 from . import conversions as convert
-from .calls.services import SERVICE_TIMEOUT_S, call_service
+from .calls import SERVICE_TIMEOUT_S, call_service
 from .error_plot import ErrorPlot
 from .parameters import ControllerSetup
 
@@ -84,12 +84,10 @@ class RvizView:
         if shape == self._shape:
             return
         self._shape = shape
-        marker = Marker(type=Marker.LINE_LIST, action=Marker.ADD, ns="camera_frustum")
-        marker.header.frame_id = info.header.frame_id
-        marker.pose.orientation.w, marker.scale.x = 1.0, 0.003
-        marker.color.r, marker.color.g, marker.color.b, marker.color.a = 0.95, 0.65, 0.1, 0.9
-        marker.points = [Point(*point) for point in frustum_points(info, self._depth_m)]
-        self._frustum.publish(marker)
+        self._frustum.publish(Marker(
+            header=Header(frame_id=info.header.frame_id), type=Marker.LINE_LIST, action=Marker.ADD, ns="camera_frustum",
+            pose=_at(), scale=Vector3(x=0.003), color=ColorRGBA(0.95, 0.65, 0.1, 0.9),
+            points=[Point(*point) for point in frustum_points(info, self._depth_m)]))
 
     def _on_image(self, image):
         self._images[convert.stamp_ns(image.header)] = image
@@ -141,26 +139,22 @@ class RvizView:
             call_service("sim/unpause", Empty)  # the experiment leaves the simulator paused when it has ended
 
 
+def _at(x=0.0, y=0.0, z=0.0):
+    """Pose that is not turned."""
+    return Pose(Point(x, y, z), Quaternion(w=1.0))
+
+
 def _button(name, colour, row):
     """Interactive marker: a coloured block with its name beside it."""
-    button = InteractiveMarker(name=name, scale=2.0 * BUTTON_M)
-    button.header.frame_id = "world"
     x, y, z = FIRST_BUTTON_M
-    button.pose.position = Point(x, y, z + row * BUTTON_WAY_M)
-    button.pose.orientation.w = 1.0
-    block = Marker(type=Marker.CUBE)
-    block.scale.x = block.scale.y = block.scale.z = BUTTON_M
-    block.pose.orientation.w = 1.0
-    block.color.r, block.color.g, block.color.b = colour
-    block.color.a = 1.0
-    words = Marker(type=Marker.TEXT_VIEW_FACING, text=name)
-    words.scale.z, words.pose.position.z, words.pose.orientation.w = 0.6 * BUTTON_M, 0.85 * BUTTON_M, 1.0
-    words.color.r = words.color.g = words.color.b = 0.1
-    words.color.a = 1.0
+    block = Marker(type=Marker.CUBE, pose=_at(), scale=Vector3(BUTTON_M, BUTTON_M, BUTTON_M),
+                   color=ColorRGBA(*colour, 1.0))
+    words = Marker(type=Marker.TEXT_VIEW_FACING, text=name, pose=_at(z=0.85 * BUTTON_M),
+                   scale=Vector3(z=0.6 * BUTTON_M), color=ColorRGBA(0.1, 0.1, 0.1, 1.0))
     control = InteractiveMarkerControl(name="press", interaction_mode=InteractiveMarkerControl.BUTTON,
                                        always_visible=True, markers=[block, words])
-    button.controls.append(control)
-    return button
+    return InteractiveMarker(header=Header(frame_id="world"), pose=_at(x, y, z + row * BUTTON_WAY_M), name=name,
+                             scale=2.0 * BUTTON_M, controls=[control])
 
 
 def main() -> int:
@@ -173,7 +167,3 @@ def main() -> int:
         return EXIT_PARAMETERS
     rospy.spin()
     return EXIT_STOPPED
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -17,8 +17,7 @@ from typing import Any, Callable, List, NamedTuple, Optional
 import numpy as np
 
 from aras_visual_servo import Command, DegenerateFeature, RealSettings, SetPoint
-from .joint_history import JointHistory
-from .latency import Latency
+from .joint_history import JointHistory, Latency
 from .motion_guard import MotionGuard
 from .watchdog import Unfit, Watchdog
 
@@ -80,8 +79,7 @@ class ArmLink:
     Args:
         kinematics: `Kinematics`.  settings: `RealSettings`.
         command_timeout_s: a velocity that no newer command replaces ends after this time.
-    Attributes:
-        image_latency, joint_latency: `Latency` of what came.
+    Attributes: image_latency, joint_latency: `Latency` of what came.
     """
 
     def __init__(self, kinematics: Any, settings: RealSettings, command_timeout_s: float) -> None:
@@ -125,11 +123,6 @@ class ArmLink:
     def deadman(self, held: bool, now_ns: int) -> None:
         """A message of the dead-man's switch."""
         self._watchdog.deadman(held, now_ns)
-
-    @property
-    def deadman_held(self) -> bool:
-        """Whether the dead-man's switch was held when it was heard last."""
-        return self._watchdog.held
 
     def unfit(self, now_ns: int) -> Optional[Unfit]:
         """`Unfit` if the arm must rest now, else None."""

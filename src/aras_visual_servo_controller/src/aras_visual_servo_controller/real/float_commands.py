@@ -34,8 +34,7 @@ class SetPointIntegrator:
     def command(self, command: Command, q: np.ndarray) -> None:
         """Take a command.
 
-        Args:
-            command: `Command`; a joint in neither of its parts stops.  q: (n,) measured positions [m or rad].
+        Args: command: `Command`; a joint in neither of its parts stops.  q: (n,) measured positions [m or rad].
         """
         for name, position in zip(self._names, np.asarray(q, dtype=float)):
             self._set_points.setdefault(name, float(position))

@@ -24,15 +24,14 @@ def predicted(features: Any, plane_C: np.ndarray, X_C0C1: np.ndarray) -> Feature
     Args:
         features: `Features`, or an object with its attributes, valid.  plane_C: (3,) (A, B, C) of the target's plane
         in the first camera frame [1/m].  X_C0C1: (4, 4) pose of the later camera in the first.
-    Returns:
-        `Features`; what is relative to a reference is so still.
+    Returns: `Features`; what is relative to a reference is so still.
     Raises:
         DegenerateFeature: the target would be behind the camera.
         ParameterError: features that cannot be predicted (kernel projections).
     """
     found = Features.from_object(features)
     if len(found.kernel_x) or len(found.kernel_y):
-        raise ParameterError("real/predict: found kernel projections, allowed features of moments and points")
+        raise ParameterError("real.predict: found kernel projections, allowed features of moments and points")
     H = X_C0C1[:3, :3].T @ (np.eye(3) - np.outer(X_C0C1[:3, 3], plane_C))
     if len(found.point_x):
         x, y = np.array([_moved(H, x, y)[:2] for x, y in zip(found.point_x, found.point_y)]).T

@@ -38,8 +38,7 @@ class Teleop:
         Args:
             kinematics: `Kinematics` of the chain to the camera.
             joint_speed: [m/s or rad/s].  linear_m_per_s, angular_rad_per_s: of the camera. All > 0.
-        Raises:
-            ParameterError: a speed is not above zero, all of them listed.
+        Raises: ParameterError: a speed is not above zero, all of them listed.
         """
         speeds = {"joint_speed": joint_speed, "linear_m_per_s": linear_m_per_s, "angular_rad_per_s": angular_rad_per_s}
         faults = [f"{name}: found {value}, allowed > 0" for name, value in speeds.items()
@@ -75,10 +74,8 @@ class Teleop:
     def velocity(self, q: np.ndarray, now_s: float) -> np.ndarray:
         """Joint velocities.
 
-        Args:
-            q: (n,) joint positions.  now_s: time, of the clock of `press`.
-        Returns:
-            (n,) [m/s or rad/s], within the velocity limits; zeros when no key is held or q is not finite.
+        Args: q: (n,) joint positions.  now_s: time, of the clock of `press`.
+        Returns: (n,) [m/s or rad/s], within the velocity limits; zeros when no key is held or q is not finite.
         """
         rest = np.zeros(len(self._kinematics.joint_names))
         if self._key is None or not 0.0 <= now_s - self._pressed_s <= HOLD_S or not np.isfinite(q).all():

@@ -13,7 +13,8 @@ from messages import NAMESPACE, image_message, messages_of, state_message, write
 from std_msgs.msg import String
 from synthetic import SETTINGS, blob, make_record
 
-from aras_visual_servo_controller.bags.bag import BagError, decode, read_bag
+from aras_visual_servo import ShapeError, image_of
+from aras_visual_servo_controller.bags.bag import BagError, read_bag
 from aras_visual_servo.cli.main import main
 from aras_visual_servo.features import base as features, styles
 from aras_visual_servo.runs.judge import judge
@@ -58,10 +59,10 @@ def test_images_are_decoded_whatever_their_encoding_and_row_padding(tmp_path, or
 def test_images_of_a_bayer_pattern_are_decoded_and_others_refused_by_name():
     message = image_message(np.kron(np.ones((4, 4), np.uint8), np.uint8([[200, 90], [90, 30]])), rospy.Time(1.0),
                             "bayer_rggb8", 3)
-    assert (decode(message) == [200, 90, 30]).all() and decode(message).shape == (8, 8, 3)
+    assert (image_of(message) == [200, 90, 30]).all() and image_of(message).shape == (8, 8, 3)
     message.encoding = "bgra16"
-    with pytest.raises(BagError, match="found 'bgra16', allowed rgb8 | bgr8 .* bayer_grbg8"):
-        decode(message)
+    with pytest.raises(ShapeError, match="found 'bgra16', allowed rgb8 | bgr8 .* bayer_grbg8"):
+        image_of(message)
 
 
 @pytest.mark.parametrize("namespace", ["", "/a", "/a/b/c"])

@@ -3,7 +3,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from aras_visual_servo_controller.nodes.calls.goal_sender import AGAIN_S, GoalSender
+from aras_visual_servo_controller.nodes.calls import AGAIN_S, GoalSender
 
 
 def goal(name):

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from aras_visual_servo_controller.real.joint_history import JointHistory
-from aras_visual_servo_controller.real.latency import Latency
+from aras_visual_servo_controller.real.joint_history import JointHistory, Latency
 
 MS = 1_000_000
 #: Positions on a straight line are interpolated exactly but for rounding: some eps.

@@ -1,5 +1,5 @@
-"""Topics of what plugins do, one file a kind. Importing this makes all of them known."""
-from . import diff_drive, force_torque, imu, laser
+"""Topics of what plugins do. Importing this makes all kinds known."""
+from . import diff_drive, sensors
 from .outlet import outlet_of
 
-__all__ = ["diff_drive", "force_torque", "imu", "laser", "outlet_of"]
+__all__ = ["diff_drive", "outlet_of", "sensors"]

@@ -2,15 +2,16 @@
 import math
 
 import numpy
-from geometry_msgs.msg import TransformStamped, Twist, Vector3
+from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import JointState
+from std_msgs.msg import Header
 from tf2_msgs.msg import TFMessage
 
 from ...world.devices import DiffDrive, named
-from ..convert import pose_message, stamp
-from ..odometry import WheelOdometry, odometry_message
-from .outlet import Outlet, serves
+from ..convert import pose_message, stamp, stamped
+from ..odometry import WheelOdometry, odometry_message, transform_message
+from .outlet import DeviceOutlet, serves
 
 NEAR_M_S = 0.01  #: a wheel that is this near to its wanted speed gets it at once
 #: Variances of x, y, z, roll, pitch, yaw, as Gazebo's plugin states them.
@@ -18,12 +19,10 @@ VARIANCES = (1e-5, 1e-5, 1e12, 1e12, 1e12, 1e-3)
 
 
 @serves(DiffDrive)
-class DiffDriveOutlet(Outlet):
+class DiffDriveOutlet(DeviceOutlet):
     def open(self):
         device = self.device
-        self._wanted = (0.0, 0.0)          # of the base [m/s, rad/s]
-        self._issued = numpy.zeros(2)      # speed of the rims, left and right [m/s]
-        self._begin()
+        self._rest()
         self.listen(named(device.namespace, device.command_topic), Twist, self._command)
         self._transforms = self.advertise("/tf", TFMessage)
         self._odometry = self._states = None
@@ -43,10 +42,14 @@ class DiffDriveOutlet(Outlet):
 
     def time_reset(self, now_ns):
         super().time_reset(now_ns)
-        self._wanted, self._issued = (0.0, 0.0), numpy.zeros(2)
-        self._begin()
+        self._rest()
 
-    def _begin(self):
+    def wanted(self):
+        return True
+
+    def _rest(self):
+        self._wanted = (0.0, 0.0)          # of the base [m/s, rad/s]
+        self._issued = numpy.zeros(2)      # speed of the rims, left and right [m/s]
         radius = 0.5 * self.device.diameter_m
         self._counted = WheelOdometry(self.device.separation_m, radius, radius)
         self._counted.update(*self._wheels("joint_positions"))
@@ -59,10 +62,8 @@ class DiffDriveOutlet(Outlet):
         if self.device.publishes_wheel_tf:
             self._send_wheels(now_ns)
         if self._states is not None:
-            message = JointState(name=list(self.device.joints()),
-                                 position=list(map(float, self._wheels("joint_positions"))))
-            message.header.stamp = stamp(now_ns)
-            self._states.publish(message)
+            self._states.publish(stamped(JointState, now_ns, name=list(self.device.joints()),
+                                         position=list(map(float, self._wheels("joint_positions")))))
         self._drive()
 
     def _drive(self):
@@ -90,18 +91,10 @@ class DiffDriveOutlet(Outlet):
         message = odometry_message(now_ns, device.odometry_frame, device.base_frame, pose, velocity, VARIANCES)
         self._odometry.publish(message)
         if device.publishes_tf:
-            self._send_transform(message.header, device.base_frame, message.pose.pose)
-
-    def _send_transform(self, header, child, pose):
-        transform = TransformStamped(header=header, child_frame_id=child)
-        transform.transform.translation = Vector3(pose.position.x, pose.position.y, pose.position.z)
-        transform.transform.rotation = pose.orientation
-        self._transforms.publish([transform])
+            self._transforms.publish([transform_message(message.header, device.base_frame, message.pose.pose)])
 
     def _send_wheels(self, now_ns):
         for joint in self.device.joints():
             parent, child = self.model.description.parents[joint], self.model.description.children[joint]
-            message = Odometry()
-            message.header.stamp, message.header.frame_id = stamp(now_ns), parent
-            self._send_transform(message.header, child, pose_message(
-                numpy.linalg.inv(self.model.link_pose(parent)) @ self.model.link_pose(child)))
+            pose = pose_message(numpy.linalg.inv(self.model.link_pose(parent)) @ self.model.link_pose(child))
+            self._transforms.publish([transform_message(Header(stamp=stamp(now_ns), frame_id=parent), child, pose)])

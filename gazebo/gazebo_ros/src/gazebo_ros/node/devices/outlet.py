@@ -2,9 +2,8 @@
 import zlib
 
 import numpy
-import rospy
 
-from ..beat import NEVER_NS, Beat
+from ..outlet import Outlet
 
 MOST_HZ = 1000.0  #: of a device whose rate is 0, "as fast as possible": every period of Gazebo's default physics
 
@@ -24,64 +23,13 @@ def outlet_of(device):
     return _OUTLETS[type(device)]
 
 
-class Outlet:
-    """Topics of one device. Everything but the callbacks of rospy runs in the world's thread.
-
-    Attributes:
-        world: World.  model: Model.  device: as described.  work: Work.
-    """
+class DeviceOutlet(Outlet):
+    """Topics of one device. Attributes: device: as described."""
 
     def __init__(self, world, model, device, work):
-        self.world, self.model, self.device, self.work = world, model, device, work
-        self._ends = []
-        self._beat = Beat(device.rate_hz if device.rate_hz > 0.0 else MOST_HZ, world.time_ns)
-        self.open()
-
-    @property
-    def simulation(self):
-        return self.model.simulation
-
-    def advertise(self, name, kind, **options):
-        publisher = rospy.Publisher(name, kind, queue_size=10, **options)
-        self._ends.append(publisher.unregister)
-        return publisher
-
-    def listen(self, name, kind, react):
-        subscriber = rospy.Subscriber(name, kind, lambda message: self.work.post(lambda: react(message)))
-        self._ends.append(subscriber.unregister)
-
-    def ends_with(self, action):
-        self._ends.append(action)
-
-    # --- what a kind of device does of its own
-
-    def open(self):
-        """Makes its topics."""
-
-    def wanted(self):
-        """Whether anything is to be done now."""
-        return True
-
-    def send(self, now_ns):
-        """Called when it is due and wanted."""
-
-    # --- time
-
-    @property
-    def next_ns(self):
-        return self._beat.next_ns if self.wanted() else NEVER_NS
-
-    def publish(self, now_ns):
-        if self._beat.due(now_ns) and self.wanted():
-            self.send(now_ns)
-
-    def time_reset(self, now_ns):
-        self._beat = Beat(self.device.rate_hz if self.device.rate_hz > 0.0 else MOST_HZ, now_ns)
-
-    def close(self):
-        for end in reversed(self._ends):
-            end()
-        self._ends = []
+        self.device, self.rate_hz = device, device.rate_hz if device.rate_hz > 0.0 else MOST_HZ
+        super().__init__(world, model, work)
+        self.begin(world.time_ns)
 
 
 class Noise:

@@ -1,0 +1,91 @@
+"""What the topics of all parts of the world share: their place in the ROS graph, and when they are published."""
+import rospy
+
+from ..world.pushes import NEVER_NS
+
+
+class Beat:
+    """Due at its beginning and then every period of simulated time."""
+
+    def __init__(self, rate_hz, now_ns):
+        self._period_ns = max(1, round(1e9 / rate_hz))
+        self.next_ns = now_ns
+
+    def due(self, now_ns):
+        """Whether it is time. Moves on to the next time after now if so."""
+        if now_ns < self.next_ns:
+            return False
+        self.next_ns += self._period_ns * (1 + (now_ns - self.next_ns) // self._period_ns)
+        return True
+
+
+class Outlet:
+    """Topics of one part of the world. Everything but the callbacks of rospy runs in the world's thread.
+
+    Attributes:
+        world: World.  model: Model that it belongs to, if any.  work: Work.
+        rate_hz: how often send() is called while somebody listens; 0: never.
+    """
+
+    rate_hz = 0.0
+
+    def __init__(self, world, model, work):
+        self.world, self.model, self.work = world, model, work
+        self._publishers, self._ends, self._beat = [], [], None
+        self.open()
+
+    @property
+    def simulation(self):
+        return self.model.simulation
+
+    def advertise(self, name, kind, queue_size=10):
+        publisher = rospy.Publisher(name, kind, queue_size=queue_size)
+        self._publishers.append(publisher)
+        self._ends.append(publisher.unregister)
+        return publisher
+
+    def listen(self, name, kind, react):
+        """react(message) is called in the world's thread; what it refuses is logged."""
+        self._ends.append(rospy.Subscriber(
+            name, kind, lambda message: self.work.post(lambda: react(message), name)).unregister)
+
+    def ends_with(self, action):
+        """action() is called at the end."""
+        self._ends.append(action)
+
+    def close(self):
+        for end in reversed(self._ends):
+            end()
+        self._ends = []
+
+    # --- what a subclass does of its own
+
+    def open(self):
+        """Makes its topics."""
+
+    def wanted(self):
+        """Whether send() has anything to do now."""
+        return any(publisher.get_num_connections() for publisher in self._publishers)
+
+    def send(self, now_ns):
+        """Called when it is due and wanted."""
+
+    # --- time
+
+    def begin(self, now_ns):
+        """Counts the periods of send() from now."""
+        self._beat = Beat(self.rate_hz, now_ns) if self.rate_hz > 0.0 else None
+
+    @property
+    def next_ns(self):
+        """When publish() wants to be called."""
+        return self._beat.next_ns if self._beat is not None and self.wanted() else NEVER_NS
+
+    def publish(self, now_ns):
+        """Called at every stop of the world."""
+        if self._beat is not None and self._beat.due(now_ns) and self.wanted():
+            self.send(now_ns)
+
+    def time_reset(self, now_ns):
+        """Time went back."""
+        self.begin(now_ns)

@@ -1,0 +1,55 @@
+"""How the services under /gazebo are served."""
+import math
+
+import rospy
+
+from aras_visual_servo_sim import ArasError, ParameterError, UnknownNameError
+
+from ..convert import stamp
+
+
+class Services:
+    """Services that the world's thread answers, one call after the other.
+
+    Args: server: Server, which spawns, deletes, pauses and resets.
+    """
+
+    def __init__(self, server):
+        self.server, self.world = server, server.world
+        self.offer()
+
+    def offer(self):
+        """Serves what the subclass answers."""
+
+    def serve(self, name, kind, answer, done=""):
+        """Serves /gazebo/NAME. answer(request) returns the response's fields, or None for no more than success: true
+        with the text `done`. What the world refuses is success: false with the reason."""
+        text = next((field for field in ("status_message", "message") if field in kind._response_class.__slots__), None)
+
+        def response(success, message, fields):
+            return kind._response_class(**({"success": success, text: message, **fields} if text else fields))
+
+        def respond(request):
+            try:
+                made = response(True, done, answer(request) or {})
+            except (ArasError, OSError) as error:
+                rospy.logerr("%s: %s" % (name, error))
+                made = response(False, str(error), {})
+            if hasattr(made, "stamp"):
+                made.stamp = stamp(self.world.time_ns)
+            return made
+        rospy.Service("/gazebo/" + name, kind, lambda request: self.server.work.call(lambda: respond(request)))
+
+
+def found(find, name, answer):
+    """find(name). Raises: UnknownNameError with this answer, in Gazebo's own words."""
+    try:
+        return find(name)
+    except UnknownNameError as error:
+        raise UnknownNameError(answer) from error
+
+
+def require_finite(what, *values):
+    """Raises: ParameterError unless all are finite numbers."""
+    if not all(map(math.isfinite, values)):
+        raise ParameterError("%s: found a number that is not finite, allowed are finite numbers" % what)

@@ -1,1 +1,0 @@
-"""How nodes call one another: goals of the action `servo`, and services."""
