@@ -12,6 +12,7 @@ from .runs.cell import simulation_of as simulation_of
 from .runs.judge import run as run
 from .runs.loop import ServoLoop as ServoLoop
 from .runs.record import RunRecord as RunRecord
+from .studies import benchmark as benchmark
 from .studies import compare as compare
 from .studies import save_results as save_results
 from .studies import sweep as sweep
