@@ -110,15 +110,10 @@ def judge(record: RunRecord) -> Judgement:
         gains_per_s=_promised_rates(record), limits=limits, images=len(rows), stopped_by_rule=stopped_by_rule)
 
 
-def taught_pose(record: RunRecord) -> np.ndarray:
-    """X_WCg, (4, 4): the true camera pose at the image that stands for the taught view."""
-    return record.X_WC[record.taught_row]
-
-
 def goal_pose(record: RunRecord, row: Any) -> np.ndarray:
     """X_WCg, (4, 4), at an image: the camera's taught pose relative to the target, for the target's pose at that
     image."""
-    X_WCg = taught_pose(record)
+    X_WCg = record.X_WC[record.taught_row]
     if record.target_poses is None:
         return X_WCg
     then, now = record.target_poses[record.taught_row], record.target_poses[row]

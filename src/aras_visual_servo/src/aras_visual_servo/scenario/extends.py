@@ -16,7 +16,7 @@ from xml.etree import ElementTree
 import yaml
 
 from ..arm import free_camera
-from ..config.files import load_yaml, resolve_uri
+from ..config.files import find_scenario, load_yaml, resolve_uri
 from ..config.plugins import placed
 from ..config.settings import keys_of
 from ..config.tables import flow
@@ -24,7 +24,6 @@ from ..config.validate import REMOVED, Fault, shown
 from ..features.base import expand
 from ..ground.errors import ParameterError
 from ..servo.settings import ServoSettings
-from .files import find_scenario
 from .schema import SECTIONS
 
 #: Not inherited: a scenario has a name and a description of its own.
@@ -52,7 +51,7 @@ def load_resolved(path: Path) -> Tuple[Dict[str, Any], List[Path]]:
     """Reads a scenario file with everything that it extends in place.
 
     Returns:
-        (document, files): nested dict without `extends`, with marks as of `marked_merge`; the files that it is made of,
+        (document, files): nested dict without `extends`, with marks as of `merge`; the files that it is made of,
             the first extended one first.
     Raises:
         ParameterError: a file cannot be read, nobody knows the name, or the way leads in a circle.
@@ -81,7 +80,7 @@ def _load(path, way):
     extended, files = _load(found, way)
     if found.parent != path.resolve().parent:
         extended = anchored(extended, found.parent)
-    merged = marked_merge(extended, document)
+    merged = merge(extended, document)
     joints = _joints_of(document, path.parent)
     if joints:
         for table in _BY_JOINT:
@@ -115,17 +114,6 @@ def _keep(node, said, path, names):
             del node[path[0]]
 
 
-def merge(base: Mapping[str, Any], changes: Mapping[str, Any]) -> Dict[str, Any]:
-    """Returns what `base` becomes by `changes`, a new document. Neither is changed.
-
-    Sections are merged key by key; `null` takes a key away; any other value, a list too, replaces the old one.
-    Two rules more: in lists whose entries all have a `name` (cameras, models) the entries are merged by name, and new
-    ones come last; and where `servo.features` changes, numbers by feature (gains, thresholds) of features that are
-    no longer used go with them.
-    """
-    return cleared(marked_merge(base, changes))
-
-
 def cleared(node: Any) -> Any:
     """Returns a document without the marks of nulls that took nothing away."""
     if isinstance(node, dict):
@@ -133,8 +121,14 @@ def cleared(node: Any) -> Any:
     return [cleared(value) for value in node] if isinstance(node, list) else node
 
 
-def marked_merge(base: Mapping[str, Any], changes: Mapping[str, Any]) -> Dict[str, Any]:
-    """As `merge`, with REMOVED for each null that took nothing away, so that one at an unknown key is a fault."""
+def merge(base: Mapping[str, Any], changes: Mapping[str, Any]) -> Dict[str, Any]:
+    """Returns what `base` becomes by `changes`, a new document. Neither is changed.
+
+    Sections are merged key by key; `null` takes a key away; any other value, a list too, replaces the old one.
+    Two rules more: in lists whose entries all have a `name` (cameras, models) the entries are merged by name, and new
+    ones come last; and where `servo.features` changes, numbers by feature (gains, thresholds) of features that are
+    no longer used go with them. REMOVED stands for each null that took nothing away: at an unknown key it is a fault.
+    """
     result = _merged({key: value for key, value in base.items() if key not in OWN},
                      {key: value for key, value in changes.items() if key != "extends"})
     servo, changed = result.get("servo"), changes.get("servo")

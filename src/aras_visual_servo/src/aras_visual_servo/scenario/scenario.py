@@ -19,8 +19,7 @@ from ..arm.robot import kinematics_of
 from ..ground.errors import ParameterError
 from .check import check
 from .extends import anchored, cleared, load_resolved, located, with_places
-from .files import find_scenario
-from ..config.files import load_yaml, resolve_uri
+from ..config.files import find_scenario, load_yaml, resolve_uri
 from ..config.validate import Fault
 from ..runs.settings import place_of
 
@@ -108,11 +107,9 @@ class Scenario:
 
     def as_dict(self) -> Dict[str, Any]:
         """Returns a nested dict, as in the file; a deep copy."""
-        result = {"name": self.name, "description": self.description}
-        result.update({section: copy.deepcopy(getattr(self, section)) for section in SECTIONS})
-        result.update({section: copy.deepcopy(getattr(self, section))
-                       for section in OPTIONAL_SECTIONS if getattr(self, section)})
-        return result
+        sections = {section: getattr(self, section) for section in SECTIONS + OPTIONAL_SECTIONS}
+        return {"name": self.name, "description": self.description, **copy.deepcopy(
+            {section: value for section, value in sections.items() if value or section in SECTIONS})}
 
     def as_yaml(self) -> str:
         """Returns the text of a file that is this scenario, whole and from any folder.

@@ -7,7 +7,7 @@ import yaml
 
 from aras_visual_servo.ground.errors import ParameterError
 from aras_visual_servo.scenario.extends import merge
-from aras_visual_servo.scenario.files import find_scenario, scenario_names
+from aras_visual_servo.config.files import find_scenario, scenario_names
 from aras_visual_servo.scenario.scenario import load_scenario
 from aras_visual_servo.scenario.starter import SECTIONS, starter
 from aras_visual_servo.scenario.schema import scenario_schema
