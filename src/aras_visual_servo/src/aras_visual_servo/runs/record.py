@@ -136,15 +136,9 @@ class RunRecord:
 
 
 class RecordBuilder:
-    """Builds a RunRecord row by row.
+    """Builds a RunRecord: `add_answer` for each image, then `finish`.
 
-    In-process use, once per image::
-
-        builder = RecordBuilder(scenario.name, sim.joint_names, settings=scenario.as_dict())
-        builder.add_answer(servo_record, X_WC=sim.camera_pose("camera"), features=features, image=image)
-        record = builder.finish(run_hash=sim.run_hash, wall_s=wall_s, camera_info=..., X_WT=...)
-
-    keep_images: keep every image of the servo phase, not only the first and the last one.
+    Args: keep_images: keep every image of the servo phase, not only the first and the last one.
     """
 
     def __init__(self, scenario: str, joint_names: Sequence[str], settings: Optional[Mapping[str, Any]] = None,
@@ -267,8 +261,8 @@ class RecordBuilder:
     def _end(self):
         """Number of rows up to the one that says how the run ended.
 
-        The rows after it belong to the time until the simulator is stopped, and how many a node sends depends on wall
-        time. They are left out, so that a run over ROS and one in process give the same trace, byte for byte.
+        How many a node sends after it depends on wall time. Without them a run over ROS and one in process give the
+        same trace, byte for byte.
         """
         active = [i for i, row in enumerate(self._rows) if row[1] not in ("idle", "done")]
         if not active:
