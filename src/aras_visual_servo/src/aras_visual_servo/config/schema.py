@@ -68,7 +68,7 @@ def _in_place(node, folder, way):
 
 def property_of(key: Key) -> Dict[str, Any]:
     """Returns the schema of one key."""
-    schema = {"description": key.help}
+    schema: Dict[str, Any] = {"description": key.help}
     if key.unit:
         schema["unit"] = key.unit
     if is_table(key):

@@ -104,10 +104,7 @@ class RunRecord:
 
     def rows(self, *phases: str) -> np.ndarray:
         """Indices of the images of these phases, in order: (j,) int."""
-        found = np.zeros(len(self), dtype=bool)
-        for phase in phases:
-            found |= self.phase == phase
-        return np.flatnonzero(found)
+        return np.flatnonzero(np.isin(self.phase, phases))
 
     @cached_property
     def taught_row(self) -> int:
