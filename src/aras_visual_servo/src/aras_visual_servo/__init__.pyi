@@ -1,7 +1,7 @@
 # The public API. Names that are not here may change without notice.
 
 # Scenarios and runs
-from .scenario.files import scenario_names as scenario_names
+from .config.files import scenario_names as scenario_names
 from .scenario.scenario import Scenario as Scenario
 from .scenario.scenario import load_scenario as load_scenario
 from .scenario.scenario import scenario_from_dict as scenario_from_dict
@@ -12,6 +12,7 @@ from .runs.cell import simulation_of as simulation_of
 from .runs.judge import run as run
 from .runs.loop import ServoLoop as ServoLoop
 from .runs.record import RunRecord as RunRecord
+from .studies import benchmark as benchmark
 from .studies import compare as compare
 from .studies import save_results as save_results
 from .studies import sweep as sweep
@@ -113,7 +114,9 @@ from .runs.judge import true_error as true_error
 from .runs.loop import CLOSING_S as CLOSING_S
 from .runs.loop import DEFAULT_LIMIT_S as DEFAULT_LIMIT_S
 from .runs.measures import MEASURES as MEASURES
+from .runs.measures import Track as Track
 from .runs.measures import measures as measures
+from .runs.measures import track_of as track_of
 from .runs.pairing import StampPairer as StampPairer
 from .runs.record import RecordBuilder as RecordBuilder
 from .runs.record import STOP_NAMES as STOP_NAMES
@@ -122,8 +125,6 @@ from .runs.sequence import ExperimentSequence as ExperimentSequence
 from .runs.session import Session as Session
 from .runs.settings import ExperimentSettings as ExperimentSettings
 from .runs.settings import place_of as place_of
-from .runs.track import Track as Track
-from .runs.track import track_of as track_of
 from .scenario.feasibility import Feasibility as Feasibility
 from .scenario.schema import RobotSettings as RobotSettings
 from .scenario.schema import default_of as default_of

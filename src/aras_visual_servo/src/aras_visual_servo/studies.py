@@ -40,6 +40,11 @@ def compare(*arguments: Any, **settings: Any) -> Any:
     return study("api").compare(*arguments, **settings)
 
 
+def benchmark(*arguments: Any, **settings: Any) -> Any:
+    """Runs a published protocol: `aras_visual_servo_study.api.benchmark`."""
+    return study("api").benchmark(*arguments, **settings)
+
+
 def save_results(*arguments: Any, **settings: Any) -> Any:
     """Writes the result folder of a run: `aras_visual_servo_study.report.save_results`."""
     return study("report").save_results(*arguments, **settings)

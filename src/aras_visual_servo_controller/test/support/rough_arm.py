@@ -83,8 +83,7 @@ class RoughRun:
         settings = {"command_period_s": roughness.command_period_s, "controller": "arm", **real}
         self.settings = RealSettings.from_dict(settings, kinematics.joint_names)
         timeout_s = self.loop.servo.config.input_timeout_s
-        self.session = Session(kinematics, self.loop.servo, self.loop.sequence, timeout_s,
-                               self.loop.servo.config.time_limit_s)
+        self.session = Session(self.loop.sequence, timeout_s, self.loop.servo.config.time_limit_s)
         self.link, self.form = ArmLink(kinematics, self.settings, timeout_s), make_form(self.settings)
         names = {name: self.settings.joint_controllers.get(name, f"{name}_controller")
                  for name in kinematics.joint_names}

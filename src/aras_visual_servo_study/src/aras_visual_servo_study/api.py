@@ -1,4 +1,4 @@
-"""Sweeps and their comparison in a line or two: `avs.sweep` and `avs.compare`.
+"""Sweeps, their comparison and published protocols in a line or two: `avs.sweep`, `avs.compare`, `avs.benchmark`.
 
     ours = avs.sweep("experiment_1", starts=50)
     theirs = avs.sweep("experiment_1", starts=50, law="mine", plugins=["my_servo"])
@@ -10,7 +10,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
-from aras_visual_servo import ParameterError, Scenario, ServoLoop, load_scenario, processes
+from aras_visual_servo import ParameterError, Scenario, ServoLoop, load_plugins, load_scenario, processes
+from .compare.protocols import Protocol, protocol_named
+from .compare.protocols.runner import Results, as_markdown, run_protocol, save_table, table
 from .compare.sweeps import LETTERS, format_comparison, gate_fires, numbers_of
 from .report.versions import installed_versions
 from .sweep.engine import Progress, open_sweep, run_pending
@@ -127,8 +129,7 @@ def sweep(scenario: Union[str, Path, Scenario], starts: Optional[int] = None, *,
     Raises:
         ParameterError: it lists every fault.
     """
-    changes: Dict[str, Any] = {**({"servo.plugins": list(plugins)} if plugins else {}),
-                               **({"servo.law": law} if law else {}), **(overrides or {})}
+    changes = _changes(law, plugins, overrides)
     if not isinstance(scenario, Scenario):
         scenario = load_scenario(scenario, changes)
     elif changes:
@@ -143,6 +144,61 @@ def sweep(scenario: Union[str, Path, Scenario], starts: Optional[int] = None, *,
             progress = Progress(len(planned), store.rows(), io.StringIO()) if quiet else None
             run_pending(store, store.meta["setup"], workers, scheduler, progress)
             return SweepResult.of(store, Path(folder) if folder else None)
+
+
+@dataclass(frozen=True)
+class BenchmarkResult:
+    """A protocol that was run. Attributes: protocol.  results: (`Case`, rows) of each case."""
+
+    protocol: Protocol
+    results: Results
+
+    @property
+    def table(self) -> List[List[str]]:
+        """Returns the rows of the table, lists of texts, the headings first: rates of success beside the published."""
+        return table(self.protocol, self.results)
+
+    def __str__(self) -> str:
+        return as_markdown(self.protocol, self.table, "")
+
+    def save(self, folder: Union[str, Path]) -> Path:
+        """Writes benchmark.md, benchmark.csv and the pictures into a folder. Returns the path of the first."""
+        path = Path(folder)
+        path.mkdir(parents=True, exist_ok=True)
+        self.protocol.save_pictures(self.results, path)
+        return save_table(self.protocol, self.table, path, "")
+
+
+def benchmark(protocol: str, starts: Optional[int] = None, *, cases: Sequence[str] = (), law: Optional[str] = None,
+              plugins: Sequence[str] = (), overrides: Optional[Mapping[str, Any]] = None,
+              own: Optional[Mapping[str, str]] = None, workers: Optional[int] = None, scheduler: Optional[str] = None,
+              folder: Union[None, str, Path] = None, quiet: bool = False) -> BenchmarkResult:
+    """Runs a published protocol (docs/benchmarks.md).
+
+    Args:
+        protocol: its name.  starts: of each case, spread evenly over those of the protocol; None: all.
+        cases: their names or beginnings; (): all.  own: files that take the place of ours, {"board": PATH} or
+            {"meshes": FOLDER}.
+        law, plugins, overrides, workers, scheduler, folder, quiet: as of `sweep`, for every case. A law that only this
+            program registers needs workers=0.
+    Raises:
+        ParameterError: no such protocol or case, or it lists every fault.
+    """
+    asked = protocol_named(protocol)
+    asked.check_own(own or {})
+    faults = load_plugins(plugins)
+    if faults:
+        raise ParameterError(faults)
+    with processes.temporary_folder("aras-benchmark-") as temporary:
+        return BenchmarkResult(asked, run_protocol(asked, Path(folder or temporary), starts, cases,
+                                                   _changes(law, plugins, overrides), own or {}, "", workers,
+                                                   scheduler, quiet))
+
+
+def _changes(law: Optional[str], plugins: Sequence[str], overrides: Optional[Mapping[str, Any]]) -> Dict[str, Any]:
+    """Value by dotted path."""
+    return {**({"servo.plugins": list(plugins)} if plugins else {}), **({"servo.law": law} if law else {}),
+            **(overrides or {})}
 
 
 def compare(*sweeps: Union[str, Path, SweepResult]) -> SweepComparison:

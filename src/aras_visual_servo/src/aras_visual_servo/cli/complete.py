@@ -31,7 +31,7 @@ def _completer(words: Callable[[str], List[str]]) -> Callable[..., List[str]]:
 
 def _scenarios(typed: str) -> List[str]:
     """Shipped scenarios, and YAML files in the folder that is typed."""
-    from ..scenario.files import scenario_names
+    from ..config.files import scenario_names
     folder = os.path.dirname(typed)
     found = sorted(Path(folder or ".").glob("*.yaml")) + [path for path in Path(folder or ".").iterdir()
                                                           if folder and path.is_dir()]

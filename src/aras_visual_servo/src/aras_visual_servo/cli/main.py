@@ -5,8 +5,7 @@ import os
 import sys
 from typing import Dict, List, Optional, Tuple
 
-from . import EXIT_BROKEN, PROGRAM, Verb, complete, run_verb
-from ..ground.errors import ArasError
+from . import PROGRAM, Verb, complete, guarded, run_verb
 from ..studies import sister
 
 CORE, ROS, STUDY = "aras_visual_servo", "aras_visual_servo_controller", "aras_visual_servo_study"
@@ -32,12 +31,7 @@ def main(argv: Optional[List[str]] = None) -> int:
     if "_ARGCOMPLETE" in os.environ and len(typed) > 2 and typed[1] in VERBS:
         os.environ["_ARGCOMPLETE"], words = "2", [typed[1]]  # the words before the verb's own
     if words and words[0] in VERBS:
-        try:
-            verb = verb_named(words[0])
-        except ArasError as error:
-            print(f"error: {error}", file=sys.stderr)
-            return EXIT_BROKEN
-        return run_verb(f"{PROGRAM} {words[0]}", verb, words[1:])
+        return guarded(lambda: run_verb(f"{PROGRAM} {words[0]}", verb_named(words[0]), words[1:]))
     parser = argparse.ArgumentParser(
         prog=PROGRAM, formatter_class=argparse.RawDescriptionHelpFormatter,
         description="Visual servoing: run, watch, sweep and compare scenarios.",

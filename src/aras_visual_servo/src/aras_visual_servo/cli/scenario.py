@@ -9,7 +9,7 @@ from ..ground.errors import ParameterError
 
 
 def _list(arguments: Namespace) -> int:
-    from ..scenario.files import scenario_names
+    from ..config.files import scenario_names
     from ..scenario.scenario import load_scenario
     for name in scenario_names():
         print(f"{name:<28} {load_scenario(name).description}")

@@ -1,15 +1,16 @@
-"""Finds and reads files: those of this package and of `package://` addresses. YAML is read strictly."""
+"""Finds and reads files: scenarios, those of this package and of `package://` addresses. YAML is read strictly."""
 
 import functools
 import os
 import re
 from collections.abc import Hashable
 from pathlib import Path
-from typing import Any, Dict, Optional, Union
+from typing import Any, Dict, List, Optional, Union
 
 import yaml
 
 from ..ground.errors import ParameterError
+from ..ground.registry import one_of
 
 PACKAGE = "aras_visual_servo"
 MOST_BYTES = 4 * 2**20  # of a YAML file: a hundred times the largest of ours, read in a second or two
@@ -141,6 +142,23 @@ def share_dir() -> Path:
         if (parent / "share" / PACKAGE / "config").is_dir():
             return parent / "share" / PACKAGE
     raise ParameterError(f"the config folder of {PACKAGE} is missing: the package is not installed whole")
+
+
+def find_scenario(name_or_path: Union[str, Path]) -> Path:
+    """Returns the path of a scenario given by name or path. Raises ParameterError: there is none."""
+    text = os.path.expanduser(str(name_or_path))
+    if os.sep in text or text.endswith((".yaml", ".yml")):
+        if not os.path.isfile(text):
+            raise ParameterError(f"scenario: found {text}, allowed a file: there is none of this name")
+        return Path(text).resolve()
+    if text not in scenario_names():
+        raise ParameterError(f"scenario: found {text}, allowed the path of a file or {one_of(scenario_names(), text)}")
+    return share_dir() / "config" / "scenarios" / f"{text}.yaml"
+
+
+def scenario_names() -> List[str]:
+    """Returns the names of the scenarios that come with the package, sorted."""
+    return sorted(path.stem for path in (share_dir() / "config" / "scenarios").glob("*.yaml"))
 
 
 class _UniqueKeyLoader(yaml.CSafeLoader):

@@ -18,7 +18,6 @@ from .files import package_path
 from .settings import Key, entry_type, is_table, keys_of, required_keys
 
 _TYPES = {float: "number", int: "integer", bool: "boolean", str: "string"}
-_BOUNDS = {">": "exclusiveMinimum", ">=": "minimum", "<": "exclusiveMaximum", "<=": "maximum"}
 
 
 @functools.lru_cache(maxsize=None)
@@ -69,19 +68,17 @@ def _in_place(node, folder, way):
 
 def property_of(key: Key) -> Dict[str, Any]:
     """Returns the schema of one key."""
-    schema = {"description": key.help}
+    schema: Dict[str, Any] = {"description": key.help}
     if key.unit:
         schema["unit"] = key.unit
-    schema.update(_table(key) if is_table(key) else _type(key, key.type))
+    if is_table(key):
+        schema.update({"type": "object", **({"minProperties": 1} if key.not_empty else {}),
+                       "additionalProperties": _type(key, entry_type(key.type))})
+    else:
+        schema.update(_type(key, key.type))
     if not key.required and key.default not in (None, inf):
         schema["default"] = instance_value(key.default)
     return schema
-
-
-def _table(key):
-    """Of entries by name."""
-    return {"type": "object", **({"minProperties": 1} if key.not_empty else {}),
-            "additionalProperties": _type(key, entry_type(key.type))}
 
 
 def _type(key, kind):
@@ -95,9 +92,10 @@ def _type(key, kind):
                 **({"minItems": 1} if key.not_empty else {}), **size}
     if key.choices:
         return {"enum": list(key.choices)}
-    bounds = {_BOUNDS[sign]: bound for sign, bound in key.bounds}
-    text = {"minLength": 1} if kind is str and key.not_empty else {}
-    return {**({} if kind is object else {"type": _TYPES[kind]}), **bounds, **text}
+    found = {"type": _TYPES.get(kind), "exclusiveMinimum": key.above, "minimum": key.at_least,
+             "exclusiveMaximum": key.below, "maximum": key.at_most,
+             "minLength": 1 if kind is str and key.not_empty else None}
+    return {word: value for word, value in found.items() if value is not None}
 
 
 def instance_value(value: Any) -> Any:

@@ -71,12 +71,6 @@ class Key:
         """Whether it has no default."""
         return self.default is MISSING
 
-    @property
-    def bounds(self) -> Tuple[Tuple[str, float], ...]:
-        """Of its numbers, (sign, bound) each."""
-        signs = ((">", self.above), (">=", self.at_least), ("<", self.below), ("<=", self.at_most))
-        return tuple((sign, bound) for sign, bound in signs if bound is not None)
-
 
 def setting(default: Any = MISSING, *, help: str, unit: str = "", above: Optional[float] = None,
             at_least: Optional[float] = None, below: Optional[float] = None, at_most: Optional[float] = None,

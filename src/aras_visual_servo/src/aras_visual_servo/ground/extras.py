@@ -1,6 +1,7 @@
 """Modules that only PyPI has, of the virtual environment that `script/bootstrap --extras` makes."""
 
 import importlib
+import os
 import sys
 from pathlib import Path
 from types import ModuleType
@@ -20,16 +21,12 @@ def extra(name: str, purpose: str) -> ModuleType:
     Args: purpose: what cannot be done without it, for the message.
     Raises: MissingExtra: it is not there; in one sentence, with the command that installs it.
     """
+    packages = FOLDER / "lib" / f"python3.{sys.version_info.minor}" / "site-packages"
+    for folder in [str(parent / packages) for parent in Path(__file__).resolve().parents]:
+        if os.path.isdir(folder) and folder not in sys.path:
+            sys.path.append(folder)  # last: ROS keeps Debian's numpy
+            importlib.invalidate_caches()
     try:
         return importlib.import_module(name)
-    except ImportError:
-        version = f"python3.{sys.version_info.minor}"
-        for parent in Path(__file__).resolve().parents:
-            folder = str(parent / FOLDER / "lib" / version / "site-packages")
-            if Path(folder).is_dir() and folder not in sys.path:
-                sys.path.append(folder)  # last: ROS keeps Debian's numpy
-                importlib.invalidate_caches()
-        try:
-            return importlib.import_module(name)
-        except ImportError as error:
-            raise MissingExtra(f"{purpose} needs {name}, which `script/bootstrap --extras` installs: {error}") from None
+    except ImportError as error:
+        raise MissingExtra(f"{purpose} needs {name}, which `script/bootstrap --extras` installs: {error}") from None

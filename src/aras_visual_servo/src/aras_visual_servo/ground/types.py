@@ -182,38 +182,33 @@ class Reference:
 
     def to_dict(self) -> Dict[str, Any]:
         """Plain lists, for a parameter server or a file; what is None is left out."""
-        result: Dict[str, Any] = {"s_star": [float(s) for s in self.s_star], "images": self.images}
-        for key in ("optical_axis_B", "plane_C"):
-            if getattr(self, key) is not None:
-                result[key] = [float(a) for a in getattr(self, key)]
+        result = {key: np.asarray(getattr(self, key), dtype=float).tolist()
+                  for key in ("s_star", "optical_axis_B", "plane_C") if getattr(self, key) is not None}
+        result["images"] = self.images
         if self.posture is not None:
             result["posture"] = {name: float(q) for name, q in self.posture.items()}
         if self.view is not None:
-            result["view"] = {"moment_names": list(self.view.moment_names)}
-            result["view"].update({key: [float(value) for value in getattr(self.view, key)] for key in ("m", "mu")})
-            result["view"].update({key: float(getattr(self.view, key)) for key in VIEW_FIELDS})
-            for key in VIEW_POINTS:
-                if len(getattr(self.view, key)) and np.isfinite(getattr(self.view, key)).all():  # holes of depth: NaN
-                    result["view"][key] = [float(value) for value in getattr(self.view, key)]
+            values = {key: np.asarray(getattr(self.view, key), dtype=float) for key in (*_VIEW, *VIEW_POINTS)}
+            result["view"] = {"moment_names": list(self.view.moment_names), **{
+                key: value.tolist() for key, value in values.items()
+                if key in _VIEW or value.size and np.isfinite(value).all()}}  # holes of depth are NaN
         return result
 
     @classmethod
     def from_dict(cls, source: Mapping[str, Any]) -> "Reference":
         """Inverse of `to_dict`. Raises ParameterError on wrong keys, lengths or non-finite numbers."""
-        faults = [f"reference/{key}: unknown key" for key in source if key not in cls.__dataclass_fields__]
-        size = len(source["s_star"]) if isinstance(source.get("s_star"), (list, tuple)) else 4
-        s_star, posture = _vector(source, "s_star", max(1, size), faults), source.get("posture")
-        axis, plane = (None if source.get(key) is None else _vector(source, key, 3, faults)
+        faults = [f"reference.{key}: unknown key" for key in source if key not in cls.__dataclass_fields__]
+        s_star, posture = _numbers("s_star", source.get("s_star"), None, faults), source.get("posture")
+        axis, plane = (None if source.get(key) is None else _numbers(key, source[key], (3,), faults)
                        for key in ("optical_axis_B", "plane_C"))
         view = None if source.get("view") is None else _view(source["view"], faults)
         if isinstance(posture, Mapping):
-            values = _vector({"posture": list(posture.values())}, "posture", len(posture), faults)
-            posture = dict(zip(posture, values.tolist()))
+            posture = dict(zip(posture, _numbers("posture", list(posture.values()), None, faults).tolist()))
         elif posture is not None:
-            faults.append(f"reference/posture: found {posture}, allowed joint positions by name")
+            faults.append(f"reference.posture: found {posture}, allowed joint positions by name")
         images = source.get("images", 1)
         if type(images) is not int or images < 1:
-            faults.append(f"reference/images: found {images}, allowed a whole number >= 1")
+            faults.append(f"reference.images: found {images}, allowed a whole number >= 1")
         if faults:
             raise ParameterError(faults)
         return cls(s_star, axis, posture, view, plane, images)
@@ -223,33 +218,36 @@ class Reference:
 VIEW_FIELDS = ("xn", "yn", "an", "alpha", "z_star_m", "area_star")
 #: ... and the followed points and the kernel projections, where there are any.
 VIEW_POINTS = ("point_x", "point_y", "point_z", "ray_x", "ray_y", "ray_z", "kernel_x", "kernel_y")
+_VIEW = ("m", "mu", *VIEW_FIELDS)
 _OPTIONAL: Dict[str, Any] = {"ambiguous": False, "reference_stamp_ns": -1, "depth_fault": "", "age_s": nan,
                              **dict.fromkeys(VIEW_POINTS, ())}
 
 
 def _view(source, faults):
     """Features of the dict that `Reference.to_dict` makes of a view."""
-    needed = {"moment_names", "m", "mu", *VIEW_FIELDS}
-    if not isinstance(source, Mapping) or set(source) - set(VIEW_POINTS) != needed:
-        allowed = ", ".join(("moment_names", "m", "mu", *VIEW_FIELDS))
-        faults.append(f"reference/view: found {source}, allowed {allowed} and, if any, {', '.join(VIEW_POINTS)}")
+    needed = ("moment_names", *_VIEW)
+    if not isinstance(source, Mapping) or set(source) - set(VIEW_POINTS) != set(needed):
+        faults.append(f"reference.view: found {source}, allowed {', '.join(needed)} and, if any, "
+                      f"{', '.join(VIEW_POINTS)}")
         return None
-    names = tuple(str(name) for name in source["moment_names"])
-    m, mu = (_vector(source, key, len(names), faults) for key in ("m", "mu"))
-    numbers = {key: float(_vector({key: [source[key]]}, key, 1, faults)[0]) for key in VIEW_FIELDS}
-    points = {}
+    names = tuple(map(str, source["moment_names"]))
+    shapes = {key: () if key in VIEW_FIELDS else (len(names),) for key in _VIEW}
     for key in VIEW_POINTS:  # x and y come as a pair: both or neither; z may be missing
-        count = len(source.get(key[:-1] + "x", ())) if key in source or not key.endswith("z") else 0
-        points[key] = _vector(source, key, count, faults).tolist() if count else ()
-    return Features(target_visible=True, valid=True, has_reference=True, moment_names=names, m=m.tolist(),
-                    mu=mu.tolist(), **numbers, **points)
+        along_x = source.get(key[:-1] + "x")
+        if along_x and (key in source or not key.endswith("z")):
+            shapes[key] = np.shape(along_x)
+    values = {key: _numbers(f"view.{key}", source.get(key), shape, faults).tolist() for key, shape in shapes.items()}
+    return Features(target_visible=True, valid=True, has_reference=True, moment_names=names, **values)
 
 
-def _vector(source, key, size, faults):
+def _numbers(key, value, shape, faults):
+    """Array of finite numbers. Args: shape: that it must have; None: any list."""
     try:
-        vector = np.array(source[key], dtype=float)
-    except (KeyError, TypeError, ValueError):
-        vector = np.full(size, nan)
-    if vector.shape != (size,) or not np.isfinite(vector).all():
-        faults.append(f"reference/{key}: found {source.get(key)}, allowed {size} finite numbers")
-    return vector
+        numbers = np.array(value, dtype=float)
+    except (TypeError, ValueError):
+        numbers = np.array(nan)
+    fits = numbers.ndim == 1 if shape is None else numbers.shape == shape
+    if not fits or not np.isfinite(numbers).all():
+        allowed = f"{shape[0]} finite numbers" if shape else "a list of finite numbers" if shape is None else "a number"
+        faults.append(f"reference.{key}: found {value}, allowed {allowed}")
+    return numbers

@@ -68,24 +68,17 @@ def run(scenario: "Scenario", progress: Optional[Callable[[float, str], None]] =
     """Runs a scenario without ROS: simulator, moments and sequence in this process.
 
     Args:
-        scenario: a `Scenario`.  progress: called with each row's (t_s, phase), or None.
+        progress: called with each row's (t_s, phase), or None.
         keep_images: keep every image of the servo phase in the record, for a video.
-    Returns:
-        RunRecord.
     """
     from .loop import ServoLoop  # needs the C++ modules, so it is imported only when a scenario is run
     return ServoLoop(scenario).run(progress=progress, keep_images=keep_images)
 
 
 def judge(record: RunRecord) -> Judgement:
-    """Judges a run.
+    """Judges a run, from its `teach` row and its servo rows with true camera poses.
 
-    Args:
-        record: RunRecord; needs a `teach` row and servo rows with true camera poses.
-    Returns:
-        Judgement.
-    Raises:
-        NothingToJudge: the record has no taught view or no servo row.
+    Raises NothingToJudge: the record has no taught view or no servo row.
     """
     rows = record.servo_rows
     if not len(rows) or not len(record.rows("teach")):
@@ -110,15 +103,10 @@ def judge(record: RunRecord) -> Judgement:
         gains_per_s=_promised_rates(record), limits=limits, images=len(rows), stopped_by_rule=stopped_by_rule)
 
 
-def taught_pose(record: RunRecord) -> np.ndarray:
-    """X_WCg, (4, 4): the true camera pose at the image that stands for the taught view."""
-    return record.X_WC[record.taught_row]
-
-
 def goal_pose(record: RunRecord, row: Any) -> np.ndarray:
     """X_WCg, (4, 4), at an image: the camera's taught pose relative to the target, for the target's pose at that
     image."""
-    X_WCg = taught_pose(record)
+    X_WCg = record.X_WC[record.taught_row]
     if record.target_poses is None:
         return X_WCg
     then, now = record.target_poses[record.taught_row], record.target_poses[row]
@@ -142,8 +130,7 @@ def true_error(record: RunRecord, row: Any) -> Dict[str, float]:
 def tracking(record: RunRecord) -> Dict[str, Any]:
     """How well a moving goal was followed: root mean squares over the second half of the servo images.
 
-    Returns:
-        dict e (feature name -> rms of e), position_mm and angle_deg (of the true X_CgC, Cg moving with the target).
+    They are e (a dict by feature), position_mm and angle_deg (of the true X_CgC, Cg moving with the target).
     """
     rows = record.servo_rows
     rows = rows[len(rows) // 2:-1]  # the last one is the stop
@@ -155,21 +142,16 @@ def tracking(record: RunRecord) -> Dict[str, Any]:
 
 
 def pose_error(X_WCg: np.ndarray, X_WC: np.ndarray) -> Dict[str, float]:
-    """Error of a camera pose C against the goal Cg, X_CgC.
-
-    Returns:
-        dict x_mm, y_mm, z_mm (p_CgC in the goal camera frame) and angle_deg (rotation angle of R_CgC, >= 0).
-    """
+    """Error of a camera pose C against the goal Cg: x_mm, y_mm, z_mm of p_CgC in Cg, and angle_deg >= 0 of R_CgC."""
     X_CgC = np.linalg.solve(X_WCg, X_WC) if np.all(np.isfinite(X_WCg)) else np.full((4, 4), np.nan)
     x_mm, y_mm, z_mm = (1e3 * X_CgC[:3, 3]).tolist()
     return {"x_mm": x_mm, "y_mm": y_mm, "z_mm": z_mm, "angle_deg": math.degrees(rotation_angle(X_CgC[:3, :3]))}
 
 
 def fit_decay(record: RunRecord) -> Dict[str, float]:
-    """Rates of the exponentials through |e|, by a straight line through ln |e| over the servo images [1/s].
+    """Rate by feature of the exponential through |e|, by a straight line through ln |e| over the servo images [1/s].
 
-    Returns:
-        dict feature name -> rate, NaN if fewer than FIT_MIN_ROWS images stand above the floor.
+    NaN if fewer than FIT_MIN_ROWS images stand above the floor.
     """
     rows = record.servo_rows
     t_s, thresholds = record.t_s[rows], spread(record.settings.get("servo", {}).get("thresholds", {}))

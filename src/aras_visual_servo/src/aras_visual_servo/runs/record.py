@@ -21,9 +21,7 @@ RAW_NAMES = ("area", "xg", "yg", "alpha")
 # What the stop rule judges beside the feature errors, and the condition of the interaction matrix.
 STOP_NAMES = ("tilt_rad", "position_m", "rotation_rad", "cond_l")
 
-_RAW, _STOP = attrgetter(*RAW_NAMES), attrgetter(*STOP_NAMES)
-
-BLOCK_ROWS = 64  # of which the numbers are written into tables together
+_RAW = attrgetter(*RAW_NAMES)
 
 
 @dataclass(frozen=True)
@@ -106,10 +104,7 @@ class RunRecord:
 
     def rows(self, *phases: str) -> np.ndarray:
         """Indices of the images of these phases, in order: (j,) int."""
-        found = np.zeros(len(self), dtype=bool)
-        for phase in phases:
-            found |= self.phase == phase
-        return np.flatnonzero(found)
+        return np.flatnonzero(np.isin(self.phase, phases))
 
     @cached_property
     def taught_row(self) -> int:
@@ -138,15 +133,9 @@ class RunRecord:
 
 
 class RecordBuilder:
-    """Builds a RunRecord row by row.
+    """Builds a RunRecord: `add_answer` for each image, then `finish`.
 
-    In-process use, once per image::
-
-        builder = RecordBuilder(scenario.name, sim.joint_names, settings=scenario.as_dict())
-        builder.add_answer(servo_record, X_WC=sim.camera_pose("camera"), features=features, image=image)
-        record = builder.finish(run_hash=sim.run_hash, wall_s=wall_s, camera_info=..., X_WT=...)
-
-    keep_images: keep every image of the servo phase, not only the first and the last one.
+    Args: keep_images: keep every image of the servo phase, not only the first and the last one.
     """
 
     def __init__(self, scenario: str, joint_names: Sequence[str], settings: Optional[Mapping[str, Any]] = None,
@@ -157,12 +146,12 @@ class RecordBuilder:
         self.feature_names = tuple(feature_names)
         k, m = len(self.feature_names), len(self.joint_names)
         self._shapes = {"s": (k,), "s_star": (k,), "e": (k,), "twist": (6,), "q": (m,), "set_point": (m,),
-                        "raw": (len(RAW_NAMES),), "stop": (len(STOP_NAMES),), "X_WC": (4, 4), "X_WT": (4, 4)}
+                        "raw": (len(RAW_NAMES),), "stop": (len(STOP_NAMES),), "X_WC": (4, 4),
+                        "target_poses": (4, 4)}
         self._sizes = tuple(shape[0] for shape in self._shapes.values())
         self._names = self._by_name = None  # joints of the answer added last, and where each of joint_names is in them
-        self._rows = []                                       # (stamp_ns, phase, status, status_text)
-        self._last_values = []                                # of the last rows, in the order of _shapes, None for NaN
-        self._tables = {name: [] for name in self._shapes}    # of the rows before them, (BLOCK_ROWS, ...) each
+        self._rows = []    # (stamp_ns, phase, status, status_text)
+        self._values = []  # of the rows, in the order of _shapes, None for NaN
         self._moving = False
         self._images, self._last_servo_image = {}, None
         self._keep_images, self._all_images = keep_images, {}
@@ -190,46 +179,28 @@ class RecordBuilder:
             s, s_star, e: (k,).  twist: (6,).  q, set_point: (m,) in the order of joint_names.  X_WC: (4, 4).
             raw: (area, xg, yg, alpha).  X_WT: (4, 4) of a target that moves.  stop: values of STOP_NAMES.
             image: uint8 or uint16, (h, w) or (h, w, 3), unchanged until the next row or `finish`; copied only where
-                the record keeps it (see `keep_image`).
+                the record keeps it (see `_keep_image`).
         The other arrays are copied later: nobody may change their content any more.
         Raises:
             ShapeError: an array has not the length its names have.
         """
         values = (s, s_star, e, twist, q, set_point, raw, stop, X_WC, X_WT)
-        if any([value is not None and len(value) != size for value, size in zip(values, self._sizes)]):
-            self._refuse(values)
-        if X_WC is not None and getattr(X_WC, "shape", None) != (4, 4) or X_WT is not None:
-            self._refuse(values)
-        self._last_values.append(values)
-        if len(self._last_values) == BLOCK_ROWS:
-            self._write()
+        if any([value is not None and len(value) != size for value, size in zip(values, self._sizes)]) or \
+                X_WC is not None and getattr(X_WC, "shape", None) != (4, 4) or X_WT is not None:
+            self._check_shapes(values)
+        self._values.append(values)
         self._rows.append((int(stamp_ns), str(phase), int(status), str(status_text)))
         self._moving |= X_WT is not None
         if image is not None:
-            self.keep_image(phase, image)
+            self._keep_image(phase, image)
 
-    def _refuse(self, values):
-        """Raise ShapeError if one of these values of a row has not the shape of its column."""
+    def _check_shapes(self, values):
+        """Raises ShapeError if one of these values of a row has not the shape of its column."""
         for (name, shape), value in zip(self._shapes.items(), values):
             found = shape if value is None else np.shape(value)
             if found != shape:
                 expected = f"shape {shape}, got {found}" if len(shape) > 1 else f"{shape[0]} values, got {len(value)}"
                 raise ShapeError(f"{name}: expected {expected}")
-
-    def _write(self):
-        """Moves the values of the last rows into the tables."""
-        for (name, shape), values in zip(self._shapes.items(), zip(*self._last_values)):
-            given = [value for value in values if value is not None]
-            if not given:
-                self._tables[name].append(np.full((len(values), *shape), np.nan))
-                continue
-            if len(given) < len(values):
-                missing = np.full(shape, np.nan)
-                values = [missing if value is None else value for value in values]
-            arrays = isinstance(values[0], np.ndarray)  # which are joined faster than they are made an array of
-            joined = np.concatenate(values, dtype=float) if arrays else np.array(values, dtype=float)
-            self._tables[name].append(joined.reshape(-1, *shape))
-        self._last_values.clear()
 
     def add_answer(self, answer: Any, X_WC: Optional[np.ndarray] = None, features: Optional[Any] = None,
                    image: Optional[np.ndarray] = None, X_WT: Optional[np.ndarray] = None) -> None:
@@ -249,13 +220,9 @@ class RecordBuilder:
         q, set_point, m = answer.q, answer.set_point, len(self.joint_names)
         if self._by_name is not None or len(q) != m or len(set_point) != m:
             q, set_point = self._in_order(q), self._in_order(set_point)
-        named = getattr(answer, "feature_names", self.feature_names)
-        same = named is self.feature_names or tuple(named) == self.feature_names
+        same = tuple(getattr(answer, "feature_names", self.feature_names)) == self.feature_names
         s, s_star, e = (answer.s, answer.s_star, answer.e) if same else (None, None, None)
-        try:
-            stop = _STOP(answer)
-        except AttributeError:
-            stop = [getattr(answer, name, np.nan) for name in STOP_NAMES]
+        stop = [getattr(answer, name, np.nan) for name in STOP_NAMES]
         self.add_row(answer.stamp_ns, answer.phase, answer.status, answer.status_text, s, s_star, e, answer.twist,
                      q, set_point, X_WC, None if features is None else _RAW(features), image, X_WT, stop)
 
@@ -266,7 +233,7 @@ class RecordBuilder:
         return [np.nan if i is None or i >= len(values) else values[i]
                 for i in self._by_name or range(len(self.joint_names))]
 
-    def keep_image(self, phase: str, image: np.ndarray) -> None:
+    def _keep_image(self, phase: str, image: np.ndarray) -> None:
         """Keeps the image of the row just added if it is the taught view, or the first or last one of the servo.
 
         The `done` row's image is the last one only if no servo row before it reported the end (see `servo_rows`).
@@ -274,25 +241,25 @@ class RecordBuilder:
         ends = phase == "done" and len(self._rows) > 1 and self._rows[-2][1] == "servo" and \
             self._rows[-2][2] not in FINAL
         if self._keep_images and (phase == "servo" or ends):
-            self._all_images[len(self._rows) - 1] = np.array(eight_bit(image))
+            self._all_images[len(self._rows) - 1] = _copy(image)
         if phase == "teach":
-            self._images["desired"] = np.array(eight_bit(image))
+            self._images["desired"] = _copy(image)
         elif phase == "servo" and "initial" not in self._images:
-            self._images["initial"] = np.array(eight_bit(image))
+            self._images["initial"] = _copy(image)
         if ends or phase == "servo" and self._rows[-1][2] in FINAL:
-            self._images["final"], self._last_servo_image = np.array(eight_bit(image)), None
+            self._images["final"], self._last_servo_image = _copy(image), None
         elif phase == "servo":
             self._last_servo_image = image  # it is the last view only if the run breaks off here: copied then
 
     def note(self, text: str) -> None:
-        """Remember something a reader of the report must know."""
+        """Remembers something a reader of the report must know."""
         self._notes.append(str(text))
 
     def _end(self):
         """Number of rows up to the one that says how the run ended.
 
-        The rows after it belong to the time until the simulator is stopped, and how many a node sends depends on wall
-        time. They are left out, so that a run over ROS and one in process give the same trace, byte for byte.
+        How many a node sends after it depends on wall time. Without them a run over ROS and one in process give the
+        same trace, byte for byte.
         """
         active = [i for i, row in enumerate(self._rows) if row[1] not in ("idle", "done")]
         if not active:
@@ -307,29 +274,34 @@ class RecordBuilder:
         if real_time_factor is None:
             simulated_s = (self._rows[-1][0] - self._rows[0][0]) * 1e-9 if self._rows else np.nan
             real_time_factor = simulated_s / wall_s
-        rows = self._rows[:self._end()]
-        columns = list(zip(*rows)) if rows else [()] * 4
-        stamp_ns = np.array(columns[0], dtype=np.int64)
+        count = self._end()
+        stamp_ns, phase, status, status_text = list(zip(*self._rows[:count])) or [()] * 4
         if self._last_servo_image is not None:
-            self._images["final"], self._last_servo_image = np.array(eight_bit(self._last_servo_image)), None
-
-        self._write()
-
-        def table(name):
-            blocks = self._tables[name] or [np.empty((0, *self._shapes[name]))]
-            whole = np.concatenate(blocks)
-            return whole if len(whole) == len(rows) else whole[:len(rows)].copy()
-
+            self._images["final"], self._last_servo_image = _copy(self._last_servo_image), None
+        tables = {name: self._table(column, shape, count) for column, (name, shape) in enumerate(self._shapes.items())}
+        if not self._moving:
+            tables["target_poses"] = None
         return RunRecord(
             scenario=self.scenario, settings=self.settings, joint_names=self.joint_names,
-            feature_names=self.feature_names, stamp_ns=stamp_ns, phase=np.array(columns[1], dtype=str),
-            status=np.array(columns[2], dtype=int), status_text=np.array(columns[3], dtype=str),
-            s=table("s"), s_star=table("s_star"), e=table("e"), twist=table("twist"), q=table("q"),
-            set_point=table("set_point"), raw=table("raw"), X_WC=table("X_WC"), stop=table("stop"),
+            feature_names=self.feature_names, stamp_ns=np.array(stamp_ns, dtype=np.int64),
+            phase=np.array(phase, dtype=str), status=np.array(status, dtype=int),
+            status_text=np.array(status_text, dtype=str), **tables,
             X_WT=None if X_WT is None else np.array(X_WT, dtype=float),
-            target_poses=table("X_WT") if self._moving else None,
-            desired_image=self._images.get("desired"), initial_image=self._images.get("initial"),
-            final_image=self._images.get("final"), images=dict(self._all_images),
-            camera_info=dict(camera_info or {}), run_hash=str(run_hash),
+            **{f"{name}_image": self._images.get(name) for name in ("desired", "initial", "final")},
+            images=dict(self._all_images), camera_info=dict(camera_info or {}), run_hash=str(run_hash),
             real_time_factor=float(real_time_factor), wall_s=float(wall_s), opengl=str(opengl),
             recorded=dict(recorded or {}), notes=tuple(self._notes))
+
+    def _table(self, column, shape, count):
+        """Values of a column of the first rows, (count, *shape), NaN where there are none."""
+        values = [values[column] for values in self._values[:count]]
+        if all([value is None for value in values]):
+            return np.full((count, *shape), np.nan)
+        missing = np.full(shape, np.nan)
+        joined = np.concatenate([missing if value is None else value for value in values], dtype=float)
+        return joined.reshape(count, *shape)
+
+
+def _copy(image):
+    """A copy with 8 bits a value."""
+    return np.array(eight_bit(image))

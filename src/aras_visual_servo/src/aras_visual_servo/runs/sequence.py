@@ -39,7 +39,7 @@ class ExperimentSequence:
     """Runs the scenario's experiment.
 
     Attributes:
-        phase: one of types.PHASES.  result: `SequenceResult`, None until done.
+        kinematics, servo: as given.  phase: one of types.PHASES.  result: `SequenceResult`, None until done.
         teach_stamp_ns: stamp of the image that was taught, or None.  servo_stamp_ns: that of the first servo image.
     """
 
@@ -57,7 +57,7 @@ class ExperimentSequence:
         """
         self.config = (config if isinstance(config, ExperimentSettings)
                        else ExperimentSettings.from_dict(config, kinematics))
-        self._kinematics, self._servo, self._teach_camera = kinematics, servo, teach_camera
+        self.kinematics, self.servo, self._teach_camera = kinematics, servo, teach_camera
         self._no_velocity = dict.fromkeys(kinematics.joint_names, 0.0)
         self._n = len(kinematics.joint_names)
         self._nans, self._no_features = np.full(self._n, nan), np.full(len(servo.feature_names), nan)
@@ -74,7 +74,7 @@ class ExperimentSequence:
 
     def use(self, servo: Servo) -> None:
         """Goes on with another servo, which has the goal of the one before it (`Servo.retuned`)."""
-        self._servo, self._e = servo, np.full(len(servo.feature_names), nan)
+        self.servo, self._e = servo, np.full(len(servo.feature_names), nan)
 
     @property
     def done(self) -> bool:
@@ -83,7 +83,7 @@ class ExperimentSequence:
 
     def start(self, servo_only: bool = False) -> None:
         """Begins with the next step. Args: servo_only: with the reference taught last; ParameterError without one."""
-        if servo_only and self._servo.reference is None:
+        if servo_only and self.servo.reference is None:
             raise ParameterError("servo: no reference, teach one first")
         self._reset("settle_start" if servo_only else "to_goal")
         self._servo_only = servo_only
@@ -105,15 +105,15 @@ class ExperimentSequence:
             self._teaching.add(features, q)
         if not self._teaching.done:
             return False
-        self._servo.set_reference(self._teaching.reference)
+        self.servo.set_reference(self._teaching.reference)
         self._teaching = None
         return True
 
     def _begin_teaching(self, stamp_ns, features, q, z_star_m):
         z_star_m = self.config.z_star_m if z_star_m is None else z_star_m
-        self._teaching = Teaching(self._servo, stamp_ns, features, q, z_star_m, self.config.teach_images)
+        self._teaching = Teaching(self.servo, stamp_ns, features, q, z_star_m, self.config.teach_images)
         self._teach_camera(stamp_ns, z_star_m)
-        self._servo.set_reference(self._teaching.reference)
+        self.servo.set_reference(self._teaching.reference)
 
     def step(self, observation: Observation) -> Tuple[Command, ServoRecord]:
         """Answers to one image. Idle and done: an empty command (pure acknowledgement, set-points hold)."""
@@ -124,7 +124,7 @@ class ExperimentSequence:
         if self._last_ns is not None and stamp_ns > self._last_ns:
             self._dt_s = 1e-9 * (stamp_ns - self._last_ns)
         try:
-            q = self._kinematics.vector(observation.q)
+            q = self.kinematics.vector(observation.q)
             if q.shape != (self._n,) or not isfinite(sum(q.tolist())):
                 raise ParameterError(f"joint positions {q} are not {self._n} finite numbers")
             self._last_ns, self._before_q, self._last_q = stamp_ns, self._last_q, q
@@ -135,7 +135,7 @@ class ExperimentSequence:
     def stop(self, stamp_ns: int, reason: str = "stopped") -> Tuple[Command, ServoRecord]:
         """Ends now with status STOPPED; the command returned stops the arm."""
         if self.phase == "servo":
-            self._servo.stop(stamp_ns, reason)
+            self.servo.stop(stamp_ns, reason)
         return self._end(stamp_ns, Status.STOPPED, reason)
 
     # --- phases -------------------------------------------------------------------------------------------------
@@ -161,24 +161,24 @@ class ExperimentSequence:
         if self.phase in ("settle_goal", "teach"):
             return self._teach(observation, q)
         if self.phase == "settle_start":
-            if self._servo.why_lost(observation.features):
+            if self.servo.why_lost(observation.features):
                 where = "where servoing starts" if self._servo_only else "at the start"
                 return self._end(stamp_ns, Status.TARGET_LOST, f"target not in view {where}")
             self.phase, self.servo_stamp_ns = "servo", stamp_ns
-            self._servo.start(stamp_ns, self._set_point)
+            self.servo.start(stamp_ns, self._set_point)
         return self._servo_step(observation, q)
 
     def _plan(self, stamp_ns, q, joints):
         begin = q if self._set_point is None else self._set_point
-        end = self._kinematics.vector({**self._kinematics.by_name(begin), **joints})
-        velocity = self.config.speed_part * self._kinematics.velocity
-        self._trajectory = JointTrajectory(self._kinematics, begin, end, velocity, self.config.acceleration)
+        end = self.kinematics.vector({**self.kinematics.by_name(begin), **joints})
+        velocity = self.config.speed_part * self.kinematics.velocity
+        self._trajectory = JointTrajectory(self.kinematics, begin, end, velocity, self.config.acceleration)
         self._since_ns = self._begin_ns = stamp_ns
 
     def _follow(self, stamp_ns):
         t_s = 1e-9 * (stamp_ns - self._begin_ns)
         self._set_point, q_dot = self._trajectory.step(t_s, self._dt_s)
-        by_name = self._kinematics.by_name
+        by_name = self.kinematics.by_name
         return Command(stamp_ns, by_name(self._set_point), by_name(q_dot)), self._record(stamp_ns, q_dot, self.phase)
 
     def _settled(self, stamp_ns):
@@ -189,15 +189,15 @@ class ExperimentSequence:
         """Of the fastest joint between the last two images [m/s or rad/s], inf before there were two."""
         if self._before_q is None:
             return inf
-        return float(np.abs(self._kinematics.way(self._before_q, self._last_q)).max()) / self._dt_s
+        return float(np.abs(self.kinematics.way(self._before_q, self._last_q)).max()) / self._dt_s
 
     def _held_joint(self, q):
         """Which joint has not come to where it was sent, in words; an empty text if all have."""
-        off = np.abs(self._kinematics.way(self._trajectory.position(inf), q))
+        off = np.abs(self.kinematics.way(self._trajectory.position(inf), q))
         joint = int(off.argmax())
         if off[joint] <= self.config.arrived_within:
             return ""
-        name, end = self._kinematics.joint_names[joint], self._trajectory.position(inf)[joint]
+        name, end = self.kinematics.joint_names[joint], self._trajectory.position(inf)[joint]
         return f"joint '{name}' was sent to {end:.4g} and rests at {q[joint]:.4g}, allowed within " \
                f"{self.config.arrived_within:g}: something holds it"
 
@@ -205,7 +205,7 @@ class ExperimentSequence:
         stamp_ns = observation.stamp_ns
         self.phase = "teach"
         first = self._teaching is None
-        if first and self._servo.why_lost(observation.features):
+        if first and self.servo.why_lost(observation.features):
             return self._end(stamp_ns, Status.TARGET_LOST, "target not in view at the goal")
         try:
             taught = self.teach_more(stamp_ns, observation.features, q)
@@ -219,10 +219,10 @@ class ExperimentSequence:
         return answer
 
     def _servo_step(self, observation, q):
-        command, record = self._servo.step(observation, self._dt_s, q)
+        command, record = self.servo.step(observation, self._dt_s, q)
         if isfinite(sum(record.e.tolist())):
             self._e = record.e
-        if not self._servo.finished:
+        if not self.servo.finished:
             return command, record
         _, last = self._end(observation.stamp_ns, record.status, record.status_text)
         return command, replace(record, phase=last.phase)
@@ -235,7 +235,7 @@ class ExperimentSequence:
         if self._trajectory is not None and self._set_point is not None and self.servo_stamp_ns is None:
             # The trajectory ends at the set-point that it has now.
             self._set_point = self._trajectory.position(1e-9 * (stamp_ns - self._begin_ns))
-            position = self._kinematics.by_name(self._set_point)
+            position = self.kinematics.by_name(self._set_point)
         return Command(stamp_ns, position, dict(self._no_velocity)), self._record(stamp_ns, np.zeros(self._n), reason)
 
     def _record(self, stamp_ns, q_dot, text):
@@ -244,6 +244,6 @@ class ExperimentSequence:
         set_point = self._nans if self._set_point is None else self._set_point
         none = self._no_features
         return ServoRecord(
-            stamp_ns, status, text, self.phase, status == Status.CONVERGED, self._servo.feature_names, none, none,
-            self._e, joint_names=self._kinematics.joint_names, q=q, q_dot=q_dot, set_point=set_point,
+            stamp_ns, status, text, self.phase, status == Status.CONVERGED, self.servo.feature_names, none, none,
+            self._e, joint_names=self.kinematics.joint_names, q=q, q_dot=q_dot, set_point=set_point,
         )  # fmt: skip

@@ -8,8 +8,6 @@ from typing import Any, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
-from ..servo.servo import Servo
-from ..arm.kinematics import RobotKinematics
 from .sequence import ExperimentSequence
 from ..ground.errors import ArasError, ParameterError
 from ..ground.types import Command, JointPositions, Observation, Reference, ServoRecord, Status
@@ -22,7 +20,7 @@ class Session:
     """Feeds images to one sequence, and keeps the state of the goal that it works on.
 
     Args:
-        kinematics: `Kinematics`.  servo: `Servo`.  sequence: `ExperimentSequence` over both.
+        sequence: `ExperimentSequence`, with its servo and arm.
         input_timeout_s: features older than this are refused; the arm is stopped when none come for this long.
         time_limit_s: after this time a goal that gets no features ends, unless it brings its own limit.
     Attributes:
@@ -34,9 +32,8 @@ class Session:
         unseen: a goal is active, and no image was answered since it began.
     """
 
-    def __init__(self, kinematics: RobotKinematics, servo: Servo, sequence: ExperimentSequence, input_timeout_s: float,
-                 time_limit_s: float) -> None:
-        self._kinematics, self._servo, self._sequence = kinematics, servo, sequence
+    def __init__(self, sequence: ExperimentSequence, input_timeout_s: float, time_limit_s: float) -> None:
+        self._sequence = sequence
         self._input_timeout_s, self._input_timeout_ns = input_timeout_s, round(input_timeout_s * 1e9)
         self._time_limit_ns = self._goal_limit_ns = round(time_limit_s * 1e9)
         self._fresh_ns, self._fresh_wall_s = 0, 0.0
@@ -88,18 +85,13 @@ class Session:
 
     def hold(self, stamp_ns: int, reason: str) -> Tuple[Command, ServoRecord]:
         """Answers with zero velocity and STALE_INPUT; the goal goes on with the next good image."""
-        _, record = self._servo.stale(stamp_ns, reason)
+        _, record = self._sequence.servo.stale(stamp_ns, reason)
         record.status, record.status_text, record.phase = Status.STALE_INPUT, reason, self._sequence.phase
         return self.standstill(stamp_ns), record
 
     def standstill(self, stamp_ns: int) -> Command:
         """Command of zero velocity for every joint: the set-points stay."""
-        return Command(stamp_ns, velocity=dict.fromkeys(self._kinematics.joint_names, 0.0))
-
-    def use(self, servo: Servo) -> None:
-        """Goes on with another servo, which has the goal of the one before it (`Servo.retuned`)."""
-        self._servo = servo
-        self._sequence.use(servo)
+        return Command(stamp_ns, velocity=dict.fromkeys(self._sequence.kinematics.joint_names, 0.0))
 
     # --- goals --------------------------------------------------------------------------------------------------
 
@@ -116,10 +108,10 @@ class Session:
         faults = []
         if reference not in ("taught", "experiment"):
             faults.append(f"reference: found '{reference}', allowed taught | experiment")
-        if reference == "taught" and self._servo.reference is None:
+        if reference == "taught" and self._sequence.servo.reference is None:
             faults.append("reference: nothing was taught yet")
         try:
-            self._servo.configure(law, gains_per_s, thresholds, time_limit_s)
+            self._sequence.servo.configure(law, gains_per_s, thresholds, time_limit_s)
         except ArasError as error:
             faults.extend(getattr(error, "faults", [str(error)]))
         if faults:

@@ -1,18 +1,22 @@
 """Scenarios that say only in what they differ from another one, and the lines of files that say it.
 
 `extends: experiment_1` names a scenario of this package, `extends: PATH.yaml` a file, relative to the one that says so.
-The rules are those of a JSON Merge Patch (RFC 7396) and two more of our own, see `merge`.
+The rules are those of a JSON Merge Patch (RFC 7396) and two more of our own, see `merge`. A file that names a URDF does
+not inherit numbers by joint (goal, start, weights, ...) of joints that this robot lacks.
 """
 
 import os
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import is_dataclass
 from pathlib import Path
 from typing import Any, Dict, List, Tuple
+from xml.etree import ElementTree
 
 import yaml
 
-from ..config.files import load_yaml
+from ..arm import free_camera
+from ..config.files import find_scenario, load_yaml, resolve_uri
 from ..config.plugins import placed
 from ..config.settings import keys_of
 from ..config.tables import flow
@@ -20,13 +24,26 @@ from ..config.validate import REMOVED, Fault, shown
 from ..features.base import expand
 from ..ground.errors import ParameterError
 from ..servo.settings import ServoSettings
-from .files import find_scenario
+from .schema import SECTIONS
 
 #: Not inherited: a scenario has a name and a description of its own.
 OWN = ("name", "description", "extends")
 #: Keys that name a file; in a scenario that is extended from another folder they stay relative to their own.
 FILE_KEYS = ("urdf", "controllers", "file", "mesh")
 _BY_FEATURE = tuple(key.name for key in keys_of(ServoSettings) if key.by == "feature")
+
+
+def _by_joint(cls, path):
+    """Paths of the tables of a settings class that are given by joint."""
+    for key in keys_of(cls):
+        if key.by.startswith("joint"):
+            yield (*path, key.name)
+        elif is_dataclass(key.type):
+            yield from _by_joint(key.type, (*path, key.name))
+
+
+_BY_JOINT = (("sim", "initial_positions"), *(path for name, section in {"servo": ServoSettings, **SECTIONS}.items()
+                                             for path in _by_joint(section, (name,))))
 _KEY = re.compile(r"[A-Za-z_]\w*(?:\.\w+)*")
 
 
@@ -34,7 +51,7 @@ def load_resolved(path: Path) -> Tuple[Dict[str, Any], List[Path]]:
     """Reads a scenario file with everything that it extends in place.
 
     Returns:
-        (document, files): nested dict without `extends`, with marks as of `marked_merge`; the files that it is made of,
+        (document, files): nested dict without `extends`, with marks as of `merge`; the files that it is made of,
             the first extended one first.
     Raises:
         ParameterError: a file cannot be read, nobody knows the name, or the way leads in a circle.
@@ -63,18 +80,38 @@ def _load(path, way):
     extended, files = _load(found, way)
     if found.parent != path.resolve().parent:
         extended = anchored(extended, found.parent)
-    return marked_merge(extended, document), [*files, path]
+    merged = merge(extended, document)
+    joints = _joints_of(document, path.parent)
+    if joints:
+        for table in _BY_JOINT:
+            _keep(merged, document, table, joints)
+    return merged, [*files, path]
 
 
-def merge(base: Mapping[str, Any], changes: Mapping[str, Any]) -> Dict[str, Any]:
-    """Returns what `base` becomes by `changes`, a new document. Neither is changed.
+def _joints_of(document, folder):
+    """Names of all joints of the robot that a scenario file names; () where it names none, or its URDF is unreadable,
+    which is reported elsewhere."""
+    robot = document.get("robot")
+    try:
+        joints = list(ElementTree.parse(resolve_uri(robot["urdf"], folder)).iter("joint"))
+    except (ParameterError, OSError, ElementTree.ParseError, TypeError, KeyError):
+        return ()
+    floating = any(joint.get("type") == "floating" for joint in joints)
+    return {*(joint.get("name") for joint in joints), *(free_camera.NAMES if floating else ())}
 
-    Sections are merged key by key; `null` takes a key away; any other value, a list too, replaces the old one.
-    Two rules more: in lists whose entries all have a `name` (cameras, models) the entries are merged by name, and new
-    ones come last; and where `servo.features` changes, numbers by feature (gains, thresholds) of features that are
-    no longer used go with them.
-    """
-    return cleared(marked_merge(base, changes))
+
+def _keep(node, said, path, names):
+    """Keeps of the table at a path the entries of these names and those that are `said`; removes it if none is left."""
+    if not isinstance(node, dict):
+        return
+    said = said if isinstance(said, dict) else {}
+    if not path:
+        for name in [name for name in node if name not in names and name not in said]:
+            del node[name]
+    elif node.get(path[0]):
+        _keep(node[path[0]], said.get(path[0]), path[1:], names)
+        if node[path[0]] == {}:
+            del node[path[0]]
 
 
 def cleared(node: Any) -> Any:
@@ -84,8 +121,14 @@ def cleared(node: Any) -> Any:
     return [cleared(value) for value in node] if isinstance(node, list) else node
 
 
-def marked_merge(base: Mapping[str, Any], changes: Mapping[str, Any]) -> Dict[str, Any]:
-    """As `merge`, with REMOVED for each null that took nothing away, so that one at an unknown key is a fault."""
+def merge(base: Mapping[str, Any], changes: Mapping[str, Any]) -> Dict[str, Any]:
+    """Returns what `base` becomes by `changes`, a new document. Neither is changed.
+
+    Sections are merged key by key; `null` takes a key away; any other value, a list too, replaces the old one.
+    Two rules more: in lists whose entries all have a `name` (cameras, models) the entries are merged by name, and new
+    ones come last; and where `servo.features` changes, numbers by feature (gains, thresholds) of features that are
+    no longer used go with them. REMOVED stands for each null that took nothing away: at an unknown key it is a fault.
+    """
     result = _merged({key: value for key, value in base.items() if key not in OWN},
                      {key: value for key, value in changes.items() if key != "extends"})
     servo, changed = result.get("servo"), changes.get("servo")

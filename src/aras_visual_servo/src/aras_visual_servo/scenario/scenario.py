@@ -1,9 +1,4 @@
-"""Scenarios: the one file that says what a run is. Loaded and checked without ROS and without a master.
-
-`load_scenario("experiment_1")` reads config/scenarios/experiment_1.yaml of this package, `load_scenario(PATH)` any
-other file. Everything is checked against the schema first (schema.py); every fault is listed with its path and the line
-of the file. A scenario may extend another one (extends.py); what is loaded is the whole.
-"""
+"""Scenarios: the one file that says what a run is. Loaded and checked without ROS and without a master."""
 
 import copy
 from collections.abc import Mapping
@@ -19,8 +14,7 @@ from ..arm.robot import kinematics_of
 from ..ground.errors import ParameterError
 from .check import check
 from .extends import anchored, cleared, load_resolved, located, with_places
-from .files import find_scenario
-from ..config.files import load_yaml, resolve_uri
+from ..config.files import find_scenario, load_yaml, resolve_uri
 from ..config.validate import Fault
 from ..runs.settings import place_of
 
@@ -71,10 +65,7 @@ class Scenario:
         return self.urdf_path.read_text(encoding="utf-8")
 
     def kinematics(self, calibrated: bool = True) -> RobotKinematics:
-        """Returns the kinematics of the robot, with the camera where `robot.hand_eye` has it, else where it truly is.
-
-        Args: calibrated: False leaves `robot.hand_eye` aside.
-        """
+        """Returns the robot's kinematics; `calibrated`: with the camera where `robot.hand_eye` has it, if it does."""
         return kinematics_of(self.urdf_xml(), self.robot, calibrated)
 
     def believed_camera_info(self, camera_info: Dict[str, Any]) -> Dict[str, Any]:
@@ -92,33 +83,23 @@ class Scenario:
         zero, within the joint's limits.
         """
         stay = np.clip(np.zeros(len(kinematics.joint_names)), kinematics.lower, kinematics.upper)
-        return self._placed(kinematics, kinematics.by_name(stay), self.sim.get("initial_positions", {}),
-                            place_of(self.experiment["goal"], "experiment.goal", kinematics).joints)
+        goal = place_of(self.experiment["goal"], "experiment.goal", kinematics)
+        return kinematics.vector({**kinematics.by_name(stay), **self.sim.get("initial_positions", {}), **goal.joints})
 
     def start_posture(self, kinematics: RobotKinematics) -> np.ndarray:
         """Returns the joint positions at the start, (n,); a joint that the start does not name stays at the goal's."""
         goal = self.goal_posture(kinematics)
         start = place_of(self.experiment["start"], "experiment.start", kinematics, goal)
-        return self._placed(kinematics, kinematics.by_name(goal), start.joints)
-
-    @staticmethod
-    def _placed(kinematics, *places):
-        """Joint vector; each joint has the position of the last place that names it."""
-        return kinematics.vector({name: q for joints in places for name, q in joints.items()})
+        return kinematics.vector({**kinematics.by_name(goal), **start.joints})
 
     def as_dict(self) -> Dict[str, Any]:
         """Returns a nested dict, as in the file; a deep copy."""
-        result = {"name": self.name, "description": self.description}
-        result.update({section: copy.deepcopy(getattr(self, section)) for section in SECTIONS})
-        result.update({section: copy.deepcopy(getattr(self, section))
-                       for section in OPTIONAL_SECTIONS if getattr(self, section)})
-        return result
+        sections = {section: getattr(self, section) for section in SECTIONS + OPTIONAL_SECTIONS}
+        return {"name": self.name, "description": self.description, **copy.deepcopy(
+            {section: value for section, value in sections.items() if value or section in SECTIONS})}
 
     def as_yaml(self) -> str:
-        """Returns the text of a file that is this scenario, whole and from any folder.
-
-        It extends nothing, and names files by absolute paths where they are relative to its own.
-        """
+        """Returns the text of a file that is this scenario, whole, with absolute paths; it extends nothing."""
         document = self.as_dict()
         return yaml.safe_dump(anchored(document, self._base) if self._base else document, sort_keys=False)
 

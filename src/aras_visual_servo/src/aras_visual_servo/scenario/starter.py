@@ -2,8 +2,11 @@
 
 import shlex
 import textwrap
+from math import inf
 from pathlib import Path
 from typing import Optional
+
+import yaml
 
 from ..config.tables import allowed_of, flow, section_of
 from .scenario import load_scenario
@@ -82,12 +85,4 @@ def _first(schema):
 
 def _exact(value):
     """As YAML has it, in one line, numbers with all their digits."""
-    if isinstance(value, bool) or not isinstance(value, (float, dict, list)):
-        text = flow(value)
-        return f'"{text}"' if isinstance(value, str) and (": " in text or text[:1] in "*&!%@`{[-") else text
-    if isinstance(value, float):
-        text = repr(value)
-        return text if "." in text or "e" not in text else text.replace("e", ".0e")
-    if isinstance(value, dict):
-        return "{" + ", ".join(f"{key}: {_exact(entry)}" for key, entry in value.items()) + "}"
-    return f"[{', '.join(map(_exact, value))}]"
+    return yaml.safe_dump(value, default_flow_style=True, sort_keys=False, width=inf).replace("\n...\n", "").rstrip()

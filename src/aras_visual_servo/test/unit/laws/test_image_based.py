@@ -100,7 +100,7 @@ def test_reference_with_its_view_survives_a_round_trip():
     np.testing.assert_array_equal(L[0], L[1])
     broken = reference.to_dict()
     broken["view"] = {"m": [1.0]}
-    with pytest.raises(ParameterError, match="reference/view"):
+    with pytest.raises(ParameterError, match="reference.view"):
         Reference.from_dict(broken)
 
 

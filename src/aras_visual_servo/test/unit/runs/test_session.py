@@ -27,7 +27,7 @@ def session():
     servo = Servo(kinematics, SERVO)
     servo.set_reference(Reference(np.array([0.0, 0.0, 0.5, 0.0])))
     sequence = ExperimentSequence(kinematics, servo, EXPERIMENT, lambda *asked: ASKED.append(asked))
-    return Session(kinematics, servo, sequence, input_timeout_s=0.2, time_limit_s=20.0)
+    return Session(sequence, input_timeout_s=0.2, time_limit_s=20.0)
 
 
 Q = arm().vector(GOAL)
@@ -137,7 +137,7 @@ def test_teach_takes_the_image_answered_last_and_asks_the_camera_for_it_by_stamp
     session.answer(0, replace(SEEN, xg=0.3), Q, 0, 0.0)
     session.answer(33 * MS, SEEN, Q, 33 * MS, 0.0)
     assert session.teach(0.4) == 33 * MS and ASKED == [(33 * MS, 0.4)]
-    np.testing.assert_array_equal(session._servo.reference.s_star, [0.4 * 0.1, 0.0, 0.4, 0.1])
+    np.testing.assert_array_equal(session._sequence.servo.reference.s_star, [0.4 * 0.1, 0.0, 0.4, 0.1])
     assert session.teach() == 33 * MS and ASKED[1:] == [(33 * MS, EXPERIMENT["z_star_m"])]
 
 

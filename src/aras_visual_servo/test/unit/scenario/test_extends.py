@@ -7,7 +7,7 @@ import yaml
 
 from aras_visual_servo.ground.errors import ParameterError
 from aras_visual_servo.scenario.extends import merge
-from aras_visual_servo.scenario.files import find_scenario, scenario_names
+from aras_visual_servo.config.files import find_scenario, scenario_names
 from aras_visual_servo.scenario.scenario import load_scenario
 from aras_visual_servo.scenario.starter import SECTIONS, starter
 from aras_visual_servo.scenario.schema import scenario_schema
@@ -71,6 +71,41 @@ def test_a_chain_of_files_is_followed_and_relative_names_stay_with_their_file(tm
     mine = load_scenario(written(tmp_path, "mine", "name: mine\nextends: far/base.yaml\n"))
     assert mine.urdf_path == tmp_path / "far" / "arm.urdf"
     assert mine.experiment == load_scenario("experiment_2").experiment
+
+
+def with_robot(folder, *joints):
+    """Writes arm.urdf, the arm of experiment_1 with other names of its joints J1, J2, ..."""
+    text = load_scenario("experiment_1").urdf_path.read_text()
+    for old, new in zip(("J1", "J2", "J3", "J5", "J6"), joints):
+        text = text.replace(f'"{old}"', f'"{new}"')
+    (folder / "arm.urdf").write_text(text)
+
+
+def test_numbers_by_joint_are_inherited_for_joints_that_the_robot_has(tmp_path):
+    with_robot(tmp_path, "K1", "K2", "K3", "K5", "K6")
+    written(tmp_path, "base", """
+name: base
+extends: experiment_1
+servo: {inverse: {joint_weights: {J1: 5.0}}, limits: {joint_acceleration: {J1: 5.0, gantry: 2.0}}}
+sweep: {joints: {J1: [-0.1, 0.1]}}
+""")
+    text = """name: mine
+extends: base.yaml
+robot: {urdf: arm.urdf}
+experiment: {goal: {joints: {gantry: 0.0, K1: 0.1}}, start: {joints: {J2: null, K2: 0.2}}}
+"""
+    mine = load_scenario(written(tmp_path, "mine", text))
+    assert mine.experiment["goal"] == {"joints": {"gantry": 0.0, "K1": 0.1}}
+    assert mine.experiment["start"] == {"joints": {"gantry": -0.1, "K2": 0.2}}
+    assert mine.sim["initial_positions"] == {"gantry": 0.0}
+    assert mine.servo["inverse"] == {"method": "damped"} and "joints" not in mine.sweep
+    assert mine.servo["limits"] == {"joint_acceleration": {"gantry": 2.0}}
+    wrong = text.replace("K1: 0.1", "K1: 0.1, J1: 0.0")
+    [fault] = faults(written(tmp_path, "wrong", wrong))  # what the file says itself is checked
+    assert fault.startswith(f"{tmp_path}/wrong.yaml:4: experiment.goal.joints.J1: found an unknown joint")
+    camera = text.replace("joints: {gantry: 0.0, K1: 0.1}", "camera: {position_m: [0, 0, 1], rpy_rad: [0, 0, 0]}")
+    (tmp_path / "arm.urdf").write_text((tmp_path / "arm.urdf").read_text().replace('"gantry"', '"rail"'))
+    assert set(load_scenario(written(tmp_path, "camera", camera)).experiment["goal"]) == {"camera"}
 
 
 def test_a_circle_names_its_way(tmp_path):

@@ -15,7 +15,7 @@ from aras_visual_servo.arm.reach import reach
 from aras_visual_servo.ground.errors import ParameterError
 from aras_visual_servo.spatial import rotation
 from aras_visual_servo.scenario.scenario import load_scenario, scenario_from_dict
-from aras_visual_servo.scenario.files import scenario_names
+from aras_visual_servo.config.files import scenario_names
 
 GOAL = {"gantry": 0.0, "J1": 0.0, "J2": -0.5836, "J3": 1.6208, "J5": -1.0372, "J6": 0.0}
 #: The image's own outline is found on whole pixels: half a pixel each side, and what settling moves the camera by.

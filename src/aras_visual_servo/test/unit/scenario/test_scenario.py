@@ -14,7 +14,7 @@ from aras_visual_servo.scenario.scenario import load_scenario, scenario_from_dic
 from aras_visual_servo.scenario.check import check
 from aras_visual_servo.config.files import load_yaml, package_path, resolve_uri
 from aras_visual_servo.config.settings import keys_of
-from aras_visual_servo.scenario.files import find_scenario, scenario_names
+from aras_visual_servo.config.files import find_scenario, scenario_names
 from aras_visual_servo.scenario.schema import scenario_schema
 from aras_visual_servo.servo.settings import ServoSettings
 

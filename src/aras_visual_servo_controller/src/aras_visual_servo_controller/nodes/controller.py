@@ -66,8 +66,7 @@ class ControllerNode:
         self._float_publishers = {joint: rospy.Publisher(name + "/command", Float64, queue_size=10, tcp_nodelay=True)
                                   for joint, name in setup.controllers.items()}
         limits = setup.servo.config
-        self._session = Session(setup.kinematics, setup.servo, setup.sequence, limits.input_timeout_s,
-                                limits.time_limit_s)
+        self._session = Session(setup.sequence, limits.input_timeout_s, limits.time_limit_s)
         self._integrator = SetPointIntegrator(setup.kinematics.joint_names, setup.kinematics.lower,
                                               setup.kinematics.upper, round(limits.input_timeout_s * 1e9))
 
@@ -317,7 +316,7 @@ class ControllerNode:
             except ArasError as error:
                 return TriggerResponse(False, str(error))
             self._servo = servo
-            self._session.use(servo)
+            self._sequence.use(servo)
             self._bars.use(servo)
             return TriggerResponse(True, "the servo goes on with the settings of now")
 

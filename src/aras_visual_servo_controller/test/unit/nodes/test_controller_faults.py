@@ -14,7 +14,7 @@ STAMP_NS = 40_000_000
 class Broken:
     """A sequence that raises at every image, and does not help to stop."""
 
-    phase, done, teach_stamp_ns, result = "servo", False, None, None
+    phase, done, teach_stamp_ns, result, kinematics = "servo", False, None, None, arm()
 
     def step(self, observation):
         raise ZeroDivisionError("a law of somebody else")
@@ -43,7 +43,7 @@ class Joints:
 def node(monkeypatch):
     """A node without ROS around it, which servos; what it sends, publishes and reports is in lists."""
     node = object.__new__(controller.ControllerNode)
-    node._session = Session(arm(), None, Broken(), input_timeout_s=0.2, time_limit_s=20.0)
+    node._session = Session(Broken(), input_timeout_s=0.2, time_limit_s=20.0)
     node._session.active = True
     node._sequence, node._joints = Broken(), Joints()
     node.sent, node.records, node.finished = [], [], []

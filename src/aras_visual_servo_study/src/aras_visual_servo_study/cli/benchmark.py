@@ -4,7 +4,7 @@ import sys
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
-from aras_visual_servo import ParameterError, cli
+from aras_visual_servo import cli
 from aras_visual_servo.processes import Interrupted
 
 FOLDER = "benchmarks"
@@ -28,9 +28,8 @@ def _options(parser: ArgumentParser) -> None:
 
 def _work(arguments: Namespace) -> int:
     from ..compare.protocols import known_protocols, protocol_named
-    from ..compare.protocols.runner import as_markdown, run_case, save_table, table, total
+    from ..compare.protocols.runner import as_markdown, run_protocol, save_table, table, total
     from ..report.report import create_result_folder
-    from ..report.versions import installed_versions
     if arguments.protocol is None:
         for protocol in known_protocols():
             print(f"{protocol.name:<16}{protocol.title}")
@@ -42,23 +41,12 @@ def _work(arguments: Namespace) -> int:
     folder = root / protocol.name / arguments.name if arguments.name else None
     if folder is None or not folder.is_dir():
         folder = create_result_folder(root, protocol.name, arguments.name)
-    count = protocol.published_starts if arguments.starts is None else arguments.starts
-    cases = protocol.changed_cases(folder / "files", count, changes, **own)
-    found = [case for case in cases if not arguments.cases or
-             any(f"{case.name}_".startswith(f"{name}_") for name in arguments.cases)]
-    unknown = [name for name in arguments.cases if not any(f"{case.name}_".startswith(f"{name}_") for case in cases)]
-    if unknown:
-        raise ParameterError(f"--cases: found {', '.join(unknown)}, allowed {', '.join(case.name for case in cases)}")
-    results = []
-    for case in found:
-        print(f"benchmark: {folder / case.name}", file=sys.stderr)
-        try:
-            rows = run_case(protocol, case, folder, arguments.repeat, installed_versions(), arguments.workers,
-                            arguments.scheduler)
-        except Interrupted as interrupt:
-            print(f"{interrupt}: go on with the same command and --name {folder.name}", file=sys.stderr)
-            return interrupt.exit_code
-        results.append((case, rows))
+    try:
+        results = run_protocol(protocol, folder, arguments.starts, arguments.cases, changes, own, arguments.repeat,
+                               arguments.workers, arguments.scheduler)
+    except Interrupted as interrupt:
+        print(f"{interrupt}: go on with the same command and --name {folder.name}", file=sys.stderr)
+        return interrupt.exit_code
     lines = table(protocol, results)
     path = save_table(protocol, lines, folder, arguments.repeat)
     print(as_markdown(protocol, lines, arguments.repeat))

@@ -78,8 +78,8 @@ def _rerun(arguments: Namespace) -> int:
 def _new_sweep(arguments: Namespace) -> SweepStore:
     from ..report.report import create_result_folder
     from ..report.versions import installed_versions
+    from ..sweep.engine import open_sweep
     from ..sweep.plan import make_starts
-    from ..sweep.worker import make_setup
     scenario = cli.scenario_of(arguments)
     settings, kinematics = _settings(scenario, _asked(arguments))
     root = Path(arguments.output) / FOLDER
@@ -88,9 +88,7 @@ def _new_sweep(arguments: Namespace) -> SweepStore:
                          "choose another --name")
     starts = make_starts(settings, scenario, kinematics)
     folder = create_result_folder(root, scenario.name, arguments.name)
-    meta = {"setup": make_setup(scenario, settings.drive_to_start), "settings": settings.as_plain(),
-            "command": arguments.repeat, "versions": installed_versions()}
-    return SweepStore.create(folder, meta, starts)
+    return open_sweep(folder, scenario, starts, settings.as_plain(), arguments.repeat, installed_versions())
 
 
 def _old_sweep(arguments: Namespace) -> SweepStore:

@@ -20,7 +20,7 @@ from aras_visual_servo_study.report.page import report_html
 from aras_visual_servo_study.report.plots import plots_of
 from aras_visual_servo_study.report.report import summarise, trace_csv
 from aras_visual_servo.runs.judge import fit_decay
-from aras_visual_servo.scenario.files import scenario_names
+from aras_visual_servo.config.files import scenario_names
 from aras_visual_servo.scenario.scenario import load_scenario
 
 PACKAGE = Path(aras_visual_servo_controller.__file__).parent

@@ -1,4 +1,4 @@
-"""Sweeps and comparisons without the command line."""
+"""Sweeps, comparisons and published protocols without the command line."""
 
 import math
 
@@ -12,6 +12,8 @@ import aras_visual_servo as avs
 
 @avs.register_law("standing")
 class Standing(avs.Law):
+    works_on = None
+
     def _twist(self, look, s, e):
         return np.zeros(6)
 """
@@ -49,3 +51,22 @@ def test_a_law_of_a_plugin_is_compared_on_the_same_starts(ours, tmp_path, monkey
         avs.compare(ours)
     with pytest.raises(avs.ParameterError, match="starts differ"):
         avs.compare(ours, avs.sweep("experiment_1", starts=6, seed=1, workers=0, quiet=True))
+
+
+def test_a_protocol_is_run_with_a_law_of_a_plugin(tmp_path, monkeypatch):
+    (tmp_path / "standing_law.py").write_text(LAW)
+    monkeypatch.syspath_prepend(tmp_path)
+    asked = {"starts": 1, "cases": ["standing_free"], "law": "standing", "plugins": ["standing_law"], "workers": 0,
+             "overrides": {"servo.time_limit_s": 0.5}, "folder": tmp_path / "runs"}
+    result = avs.benchmark("canonical", **asked)
+    assert [(case.name, len(rows)) for case, rows in result.results] == [("standing_free_camera", 1)]
+    line = dict(zip(*result.table))
+    assert (line["law"], line["starts"], line["success"]) == ("standing", "1", "0.0 %")
+    assert result.save(tmp_path / "table").read_text() == str(result)
+    assert avs.benchmark("canonical", quiet=True, **asked).results == result.results  # gone on with: nothing to do
+    with pytest.raises(avs.ParameterError, match="allowed standing_free_camera"):
+        avs.benchmark("canonical", **{**asked, "cases": ["coco"]})
+    for wrong in ({"protocol": "coco"}, {"protocol": "canonical", "own": {"board": "mine.png"}},
+                  {"protocol": "canonical", "plugins": ["no_such_module"]}):
+        with pytest.raises(avs.ParameterError):
+            avs.benchmark(**wrong)

@@ -5,33 +5,68 @@ import csv
 import hashlib
 import io
 import math
+import sys
 from pathlib import Path
-from typing import Any, Dict, List, Optional, Sequence, Tuple
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
-from ...sweep.engine import open_sweep, run_pending
+from aras_visual_servo import ParameterError
+from ...report.versions import installed_versions
+from ...sweep.engine import Progress, open_sweep, run_pending
 from ...sweep.statistics import wilson
 from .base import Case, Protocol
 
+#: Each case with its rows.
+Results = List[Tuple[Case, List[Dict[str, Any]]]]
 HEADINGS = ("starts", "success", "95 % interval", "published", "whose", "median error [mm]", "[deg]", "broke off",
             "hash")
 
 
-def run_case(protocol: Protocol, case: Case, folder: Path, command: str = "", versions: Optional[Dict[str, str]] = None,
-             workers: Optional[int] = None, scheduler: Optional[str] = None) -> List[Dict[str, Any]]:
+def run_protocol(protocol: Protocol, folder: Path, count: Optional[int] = None, names: Sequence[str] = (),
+                 changes: Mapping[str, Any] = {}, own: Mapping[str, str] = {}, command: str = "",
+                 workers: Optional[int] = None, scheduler: Optional[str] = None, quiet: bool = False) -> Results:
+    """Does the pending runs of a protocol.
+
+    Args:
+        folder: where each case has a folder.  count: starts of each case; None: all.
+        names: of the cases, or their beginnings; (): all cases.  changes, own: as of `Protocol.changed_cases`.
+        command: line that repeats it.  workers, scheduler: as of `run_pending`.  quiet: show no progress on stderr.
+    Raises:
+        ParameterError: an unknown case, or values that a scenario cannot have.  The errors of `run_pending`.
+    """
+    cases = protocol.changed_cases(folder / "files", protocol.published_starts if count is None else count,
+                                   dict(changes), **own)
+    unknown = [name for name in names if not any(_begins(case, name) for case in cases)]
+    if unknown:
+        raise ParameterError(f"cases: found {', '.join(unknown)}, allowed {', '.join(case.name for case in cases)}")
+    results = []
+    for case in [case for case in cases if not names or any(_begins(case, name) for name in names)]:
+        if not quiet:
+            print(f"benchmark: {folder / case.name}", file=sys.stderr)
+        results.append((case, run_case(protocol, case, folder, command, workers, scheduler, quiet)))
+    return results
+
+
+def _begins(case, name):
+    """Whether the case has this name, or one that begins with it: orb_plain with orb."""
+    return f"{case.name}_".startswith(f"{name}_")
+
+
+def run_case(protocol: Protocol, case: Case, folder: Path, command: str = "", workers: Optional[int] = None,
+             scheduler: Optional[str] = None, quiet: bool = False) -> List[Dict[str, Any]]:
     """Does the pending runs of a case. Returns its rows, list of dicts. Raises the errors of `run_pending`."""
     settings = {"protocol": protocol.name, "case": case.name, "starts": len(case.starts), "method": protocol.name,
                 "space": "joint", "seed": 0, "drive_to_start": False, "ranges": {}, "goal": {}, "perturb": {}}
-    with open_sweep(folder / case.name, case.scenario, case.starts, settings, command, versions) as store:
-        run_pending(store, store.meta["setup"], workers, scheduler)
+    with open_sweep(folder / case.name, case.scenario, case.starts, settings, command, installed_versions()) as store:
+        progress = Progress(len(case.starts), store.rows(), io.StringIO()) if quiet else None
+        run_pending(store, store.meta["setup"], workers, scheduler, progress)
         return store.rows()
 
 
-def table(protocol: Protocol, results: List[Tuple[Case, List[Dict[str, Any]]]]) -> List[List[str]]:
+def table(protocol: Protocol, results: Results) -> List[List[str]]:
     """Rows of the table, lists of text, the headings first.
 
     A start that could not be tried, because nothing was recognised in its first view, counts as a failure: the protocol
     has no other word for it.
-    Args: results: list of (Case, rows).
     """
     parts = [(case, columns, chosen) for case, rows in results for columns, chosen in protocol.lines(case, rows)]
     extra = list(dict.fromkeys(name for _, columns, _ in parts for name in columns))
@@ -67,7 +102,8 @@ def as_markdown(protocol: Protocol, lines: Sequence[Sequence[str]], command: str
     body = [lines[0], ["---"] * len(lines[0]), *lines[1:]]
     return "\n".join([f"# {protocol.title}", "", *("| " + " | ".join(line) + " |" for line in body), "",
                       f"Success as metric `{protocol.metric}` has it. Source: {protocol.source}.", "",
-                      f"Hash of the whole table: {total(lines)[:16]}", "", f"Repeat it: `{command}`"]) + "\n"
+                      f"Hash of the whole table: {total(lines)[:16]}",
+                      *(["", f"Repeat it: `{command}`"] if command else [])]) + "\n"
 
 
 def save_table(protocol: Protocol, lines: Sequence[Sequence[str]], folder: Path, command: str) -> Path:
