@@ -1,5 +1,6 @@
 """The gymnasium environments: by gymnasium's own checker, and by what a servo must be able to do in them."""
 import functools
+import pickle
 import warnings
 
 import gymnasium
@@ -10,6 +11,7 @@ from gymnasium.vector import AsyncVectorEnv
 
 import aras_visual_servo as avs
 from aras_visual_servo_learning import ENVIRONMENTS
+from aras_visual_servo_learning.environment import ServoEnv
 
 MODULE = "aras_visual_servo_learning:"
 #: Of a proportional law on the pose, in 120 steps of 1/30 s at 3 /s: e^-12 of the start, and what friction leaves.
@@ -88,6 +90,24 @@ def test_a_start_may_be_given():
     state, info = env.reset(seed=0, options={"start": {"gantry": 0.15}})
     assert info["distance_m"] == pytest.approx(0.1, abs=0.002)  # 0.1 m along the gantry; friction of the joints
     assert state[:6] == pytest.approx([-0.0, -0.09, 0.045, 0.045, 0.0, 0.15], abs=0.002)
+
+
+@pytest.mark.parametrize("options, keys", [
+    ({"strat": {"gantry": 0.1}}, ["options.strat"]), ({"start": {"gantryy": 0.1}}, ["options.start.gantryy"]),
+    ({"start": {"gantry": float("nan"), "J9": 0.1}}, ["options.start.J9", "options.start.gantry"])])
+def test_unknown_options_and_joints_are_named(options, keys):
+    with pytest.raises(avs.ParameterError) as caught:
+        ServoEnv().reset(options=options)
+    assert [fault.split(": ")[0] for fault in caught.value.faults] == keys
+
+
+def test_a_pickled_environment_begins_the_same_episode():
+    env = ServoEnv(action="joints", max_steps=5)
+    again = pickle.loads(pickle.dumps(env))
+    assert (env.reset(seed=3)[0] == again.reset(seed=3)[0]).all()
+    assert again.max_steps == 5 and again.action_space == env.action_space
+    start = {"gantry": np.float32(0.1)}
+    assert (env.reset(options={"start": start})[0] == again.reset(options={"start": start})[0]).all()
 
 
 def test_the_images_are_those_of_the_camera_and_have_the_size_that_was_asked_for():

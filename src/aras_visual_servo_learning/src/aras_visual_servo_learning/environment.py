@@ -11,7 +11,7 @@ import numpy as np
 
 from aras_visual_servo import (JOINT_HALF_WIDTH, ExperimentSettings, Feasibility, Names, ParameterError, RecordBuilder,
                                Scenario, ServoSettings, SimulatedCell, SweepSection, eight_bit, extra, in_rgb,
-                               load_scenario, read)
+                               is_number, load_scenario, read)
 
 from .reward import REWARDS
 
@@ -29,8 +29,8 @@ WATCHED_PX = (480, 360)
 SETTLE_S = 0.1
 
 
-class ServoEnv(gymnasium.Env):  # type: ignore[name-defined]
-    """Servo the camera to the goal of a scenario.
+class ServoEnv(gymnasium.Env, gymnasium.utils.EzPickle):  # type: ignore[name-defined]
+    """Servo the camera to the goal of a scenario. A pickled environment is made anew from its arguments.
 
     Args:
         scenario: name, path or `Scenario`: robot, scene, camera, goal, and in `sweep.joints` where it starts.
@@ -53,6 +53,8 @@ class ServoEnv(gymnasium.Env):  # type: ignore[name-defined]
                  action: str = "twist", reward: str = "pose", image_size: Optional[Tuple[int, int]] = None,
                  max_twist: Tuple[float, float] = (0.3, 1.0), max_joint_speed: float = 0.5, max_steps: int = 300,
                  success: Tuple[float, float] = (0.001, 0.005), render_mode: Optional[str] = None) -> None:
+        gymnasium.utils.EzPickle.__init__(self, scenario, observation, action, reward, image_size, max_twist,
+                                          max_joint_speed, max_steps, success, render_mode)
         for name, value, allowed in (("observation", observation, OBSERVATIONS), ("action", action, ACTIONS),
                                      ("reward", reward, tuple(REWARDS)),
                                      ("render_mode", render_mode, (None, *RENDER_MODES))):
@@ -96,11 +98,24 @@ class ServoEnv(gymnasium.Env):  # type: ignore[name-defined]
 
     def reset(self, *, seed: Optional[int] = None,
               options: Optional[Dict[str, Any]] = None) -> Tuple[Any, Dict[str, Any]]:
-        """Begin an episode. options: {"start": joint positions by name} instead of one that is drawn."""
+        """Begins an episode.
+
+        Args: options: {"start": joint positions by name [m, rad]} in place of a drawn start; other joints are at the goal.
+        Raises ParameterError: an unknown option or joint, or a position that is no finite number.
+        """
         super().reset(seed=seed)
-        start = (options or {}).get("start")
-        joints = self._drawn() if start is None else self.kinematics.by_name(self.kinematics.vector(
-            {**(self._experiment.goal.joints or {}), **start}))
+        options = options or {}
+        start = options.get("start")
+        given = {name: at.item() if isinstance(at, np.generic) else at for name, at in (start or {}).items()}
+        faults = [f"options.{name}: unknown, allowed start" for name in options if name != "start"]
+        faults += [f"options.start.{name}: unknown, allowed {', '.join(self._names)}"
+                   for name in given if name not in self._names]
+        faults += [f"options.start.{name}: found {at!r}, allowed a finite number" for name, at in given.items()
+                   if not is_number(at)]
+        if faults:
+            raise ParameterError(faults)
+        joints = self.kinematics.by_name(self.kinematics.vector(
+            {**(self._experiment.goal.joints or {}), **given})) if start is not None else self._drawn()
         self.sim.reset()
         if self._goal is None or self._target or self._reward.wants_image or self._observation == "dict":
             self._teach()

@@ -19,10 +19,12 @@ if TYPE_CHECKING:
     from ..scenario.scenario import Scenario
 
 # A decay is fitted while the error is above this share of its largest value ...
-FIT_FLOOR_SHARE = 0.05
+FIT_FLOOR_SHARES = 0.05, 0.002
 # ... and above this many times its stop threshold. Below that, the error is shaped by the pixels and not by the law.
 FIT_FLOOR_THRESHOLDS = 3.0
 FIT_MIN_ROWS = 8
+#: ... and only where ln |e| is straight within this part of its range: from the first image on, and from a later one on.
+FIT_BENT = 0.07, 0.02
 
 
 class NothingToJudge(ArasError):
@@ -149,22 +151,40 @@ def pose_error(X_WCg: np.ndarray, X_WC: np.ndarray) -> Dict[str, float]:
 
 
 def fit_decay(record: RunRecord) -> Dict[str, float]:
-    """Rate by feature of the exponential through |e|, by a straight line through ln |e| over the servo images [1/s].
+    """Fits the rates of the exponentials through |e|, by straight lines through ln |e| over the servo images [1/s].
 
-    NaN if fewer than FIT_MIN_ROWS images stand above the floor.
+    A bounded law or a saturated joint does not decay exponentially at first. So a line is fitted through the last images
+    above the floor, as far back as ln |e| is straight within FIT_BENT of its range; where there is no such line, through
+    those above the lower floor.
+
+    Returns:
+        dict feature name -> rate. NaN where fewer than FIT_MIN_ROWS images stand above the floor, or |e| falls by less
+        than a factor of e on the straight part.
     """
     rows = record.servo_rows
     t_s, thresholds = record.t_s[rows], spread(record.settings.get("servo", {}).get("thresholds", {}))
     rates = {}
     for column, name in enumerate(record.feature_names):
         size = np.abs(record.e[rows, column])
-        floor = max(FIT_FLOOR_SHARE * np.nanmax(size, initial=0.0),
-                    FIT_FLOOR_THRESHOLDS * thresholds.get(name, 0.0))
-        below = np.flatnonzero(~(size > floor))
-        end = below[0] if len(below) else len(size)
-        fits = end >= FIT_MIN_ROWS
-        rates[name] = float(-np.polyfit(t_s[:end], np.log(size[:end]), 1)[0]) if fits else math.nan
+        rates[name] = math.nan
+        for share in FIT_FLOOR_SHARES:
+            floor = max(share * np.nanmax(size, initial=0.0), FIT_FLOOR_THRESHOLDS * thresholds.get(name, 0.0))
+            below = np.flatnonzero(~(size > floor))
+            end = below[0] if len(below) else len(size)
+            if math.isnan(rates[name]):
+                rates[name] = _rate_of_the_end(t_s[:end], np.log(size[:end]))
     return rates
+
+
+def _rate_of_the_end(t_s, log_size):
+    for begin in range(len(t_s) - FIT_MIN_ROWS + 1):
+        fall = log_size[begin] - log_size[-1]
+        if fall < 1.0:
+            break
+        slope, offset = np.polyfit(t_s[begin:], log_size[begin:], 1)
+        if np.abs(slope * t_s[begin:] + offset - log_size[begin:]).max() < FIT_BENT[begin > 0] * fall:
+            return float(-slope)
+    return math.nan
 
 
 def _promised_rates(record):

@@ -79,6 +79,17 @@ def test_the_decay_rate_of_an_exponential_is_found():
     assert all(abs(rate - RATE_PER_S) < ROUNDING_RATE for rate in rates.values())
 
 
+def test_only_the_straight_end_of_a_bounded_law_is_fitted():
+    """The error falls at 0.3 /s to a tenth, then exponentially: one line through all of it has another slope."""
+    record = make_record(servo_images=181)
+    t_s, e = record.t_s[record.servo_rows] - record.t_s[record.servo_rows[0]], record.e.copy()
+    bounded = np.where(t_s < 3.0, 1.0 - 0.3 * t_s, 0.1 * np.exp(-RATE_PER_S * (t_s - 3.0)))
+    e[record.servo_rows, 0] = bounded
+    assert fit_decay(dataclasses.replace(record, e=e))["xn"] == pytest.approx(RATE_PER_S, rel=0.05)
+    e[record.servo_rows, 0] = 1.0 - 0.16 * t_s  # never exponential
+    assert math.isnan(fit_decay(dataclasses.replace(record, e=e))["xn"])
+
+
 def test_a_feature_without_an_error_has_no_decay_rate():
     record = make_record()
     e = record.e.copy()

@@ -1,29 +1,38 @@
-"""Calibration of a camera from images of a board (OpenCV's calibrateCamera, after Zhang, IEEE T-PAMI 22(11), 2000)."""
+"""Calibrates a camera from images of a board (OpenCV's calibrateCamera, after Zhang, IEEE T-PAMI 22(11), 2000).
+
+Fisheye lenses have the model `equidistant` (Kannala and Brandt, IEEE T-PAMI 28(8), 2006): OpenCV's module fisheye.
+"""
 
 from dataclasses import dataclass
-from typing import Dict, Sequence, Tuple
+from typing import Dict, Optional, Sequence, Tuple
 
 import numpy as np
 import yaml
 
 from aras_visual_servo import ParameterError
+from aras_visual_servo.spatial import exponential
 from .boards import Board
 
 #: Fewer views of a plane do not tell the intrinsics, or not well.
 LEAST_VIEWS = 5
+#: Lens models, with the number of their coefficients.
+MODELS = {"plumb_bob": 5, "equidistant": 4}
+#: A residual above FAR times that of the camera's own calibration, and above FAR_PX, comes from wrong input.
+FAR, FAR_PX = 10.0, 3.0
 
 
 @dataclass(frozen=True)
 class CameraCalibration:
-    """Intrinsics of a camera with a plumb_bob lens.
+    """Intrinsics of a camera.
 
     Read from a file that says nothing of its residual, residual_px and stddev are NaN.
 
     Attributes:
-        width, height: [px].  K: (3, 3).  distortion: (5,) k1 k2 p1 p2 k3.
+        width, height: [px].  K: (3, 3).  distortion: of a plumb_bob lens (5,) k1 k2 p1 p2 k3, of an equidistant one
+        (4,) k1 to k4.
         residual_px: root mean square of the distances between points seen and points projected.
-        view_residuals_px: of each view.  stddev: (9,) standard deviations of fx, fy, cx, cy [px] and the
-        distortion, from the residual.
+        view_residuals_px: of each view.  stddev: standard deviations of the `intrinsics`, from the
+        residual.
     """
 
     width: int
@@ -33,11 +42,46 @@ class CameraCalibration:
     residual_px: float
     view_residuals_px: Tuple[float, ...]
     stddev: np.ndarray
+    distortion_model: str = "plumb_bob"
 
     @property
     def intrinsics(self) -> np.ndarray:
-        """(9,) fx, fy, cx, cy [px], k1, k2, p1, p2, k3."""
+        """fx, fy, cx, cy [px], and the distortion: (9,) or (8,)."""
         return np.concatenate([self.K[[0, 1, 0, 1], [0, 1, 2, 2]], self.distortion])
+
+    @property
+    def residual_limit_px(self) -> float:
+        """Residual above which poses, images and board cannot belong together [px]."""
+        return max(FAR * self.residual_px, FAR_PX) if np.isfinite(self.residual_px) else FAR_PX
+
+    def project(self, points_m: np.ndarray, X_CO: np.ndarray, intrinsics: Optional[np.ndarray] = None) -> np.ndarray:
+        """Returns pixels, (n, 2). Args: points_m: (n, 3) in O. intrinsics: in place of the camera's own."""
+        import cv2
+        fx, fy, cx, cy, *distortion = self.intrinsics if intrinsics is None else intrinsics
+        K = np.array([[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]])
+        turn, _ = cv2.Rodrigues(np.ascontiguousarray(X_CO[:3, :3]))
+        if self.distortion_model == "equidistant":
+            place = np.ascontiguousarray(X_CO[:3, 3]).reshape(3, 1)
+            return cv2.fisheye.projectPoints(points_m[:, None], turn, place, K, np.array(distortion))[0].reshape(-1, 2)
+        return cv2.projectPoints(points_m, turn, X_CO[:3, 3], K, np.array(distortion))[0].reshape(-1, 2)
+
+    def pose_of(self, view: np.ndarray, board: Board) -> np.ndarray:
+        """Returns X_CO, (4, 4), of a board from its pixels (n, 2)."""
+        import cv2
+        from scipy.optimize import least_squares
+        view, K, distortion = np.asarray(view, dtype=float), self.K, self.distortion
+        seen = view
+        if self.distortion_model == "equidistant":
+            seen = cv2.fisheye.undistortPoints(view[:, None], K, distortion)[:, 0]
+            K, distortion = np.eye(3), np.zeros(5)
+        _, turn, place = cv2.solvePnP(board.points_m, seen, K, distortion)
+        X_CO = np.eye(4)
+        X_CO[:3, :3], X_CO[:3, 3] = cv2.Rodrigues(turn)[0], place.ravel()
+        if self.distortion_model == "plumb_bob":
+            return X_CO  # solvePnP has fitted the pixels
+        found = least_squares(lambda step: (self.project(board.points_m, X_CO @ exponential(step)) - view).ravel(),
+                              np.zeros(6), x_scale="jac", method="lm")
+        return X_CO @ exponential(found.x)
 
     def as_yaml(self, name: str = "camera") -> str:
         """Text of a file as drivers read it through camera_info_url; they leave `calibration` out."""
@@ -46,8 +90,8 @@ class CameraCalibration:
         P = np.column_stack([self.K, np.zeros(3)])
         return yaml.safe_dump({
             "image_width": self.width, "image_height": self.height, "camera_name": name,
-            "camera_matrix": matrix(3, 3, self.K), "distortion_model": "plumb_bob",
-            "distortion_coefficients": matrix(1, 5, self.distortion),
+            "camera_matrix": matrix(3, 3, self.K), "distortion_model": self.distortion_model,
+            "distortion_coefficients": matrix(1, len(self.distortion), self.distortion),
             "rectification_matrix": matrix(3, 3, np.eye(3)), "projection_matrix": matrix(3, 4, P),
             "calibration": {"residual_px": self.residual_px, "stddev": [float(each) for each in self.stddev]},
         }, sort_keys=False)
@@ -62,14 +106,15 @@ class CameraCalibration:
             size = int(content["image_width"]), int(content["image_height"])
             model, made = content["distortion_model"], content.get("calibration", {})
             residual_px = float(made.get("residual_px", "nan"))
-            stddev = np.array(made.get("stddev", [float("nan")] * 9), dtype=float).reshape(9)
+            count = 4 + distortion.size
+            stddev = np.array(made.get("stddev", [float("nan")] * count), dtype=float).reshape(count)
         except (yaml.YAMLError, AttributeError, KeyError, TypeError, ValueError) as error:
             raise ParameterError(f"{source}: found no calibration of a camera ({error}), allowed a file of "
                                  "`calibrate camera` or of camera_info_url") from error
-        if model != "plumb_bob" or distortion.shape != (5,):
-            raise ParameterError(f"{source}: found {model} with {distortion.size} coefficients, allowed plumb_bob with "
-                                 "5")
-        return cls(*size, K, distortion, residual_px, (), stddev)
+        if MODELS.get(model) != distortion.size:
+            raise ParameterError(f"{source}: distortion_model: found {model} with {distortion.size} coefficients, "
+                                 "allowed " + ", ".join(f"{name} with {count}" for name, count in MODELS.items()))
+        return cls(*size, K, distortion, residual_px, (), stddev, model)
 
     def cost(self, z_star_m: float) -> Dict[str, float]:
         """What the error of the intrinsics costs at the goal, dict of texts -> mm (one standard deviation).
@@ -83,17 +128,50 @@ class CameraCalibration:
                 "goal in numbers, depth": 1e3 * z_star_m * 0.5 * (s_fx / fx + s_fy / fy)}
 
 
-def calibrate_camera(views: Sequence[np.ndarray], board: Board, size: Tuple[int, int]) -> CameraCalibration:
-    """`CameraCalibration` from views of a board.
+def calibrate_camera(views: Sequence[np.ndarray], board: Board, size: Tuple[int, int],
+                     model: str = "plumb_bob") -> CameraCalibration:
+    """Returns the calibration from views of a board.
 
-    Args: views: list of (n, 2) pixels, as `Board.find` gives them.  size: (width, height) of the images [px].
-    Raises: ParameterError: too few views.
+    Args:
+        views: list of (n, 2) pixels, as `Board.find` gives them.  size: (width, height) of the images [px].
+        model: of the lens, a key of MODELS.
+    Raises: ParameterError: too few views, an unknown model, or views that do not tell the intrinsics.
     """
     import cv2
     if len(views) < LEAST_VIEWS:
         raise ParameterError(f"views of the board: found {len(views)}, allowed >= {LEAST_VIEWS}, tilted differently")
+    if model not in MODELS:
+        raise ParameterError(f"model: found {model}, allowed {' | '.join(MODELS)}")
+    width, height = map(int, size)
+    if model == "equidistant":
+        return _fisheye(views, board, width, height)
     points = [board.points_m.astype(np.float32)] * len(views)
     pixels = [np.asarray(view, dtype=np.float32).reshape(-1, 1, 2) for view in views]
-    rms, K, distortion, _, _, stddev, _, each = cv2.calibrateCameraExtended(points, pixels, tuple(size), None, None)
-    return CameraCalibration(int(size[0]), int(size[1]), K, distortion.ravel()[:5], float(rms),
-                             tuple(np.ravel(each).tolist()), np.ravel(stddev)[:9])
+    rms, K, distortion, _, _, stddev, _, each = cv2.calibrateCameraExtended(points, pixels, (width, height), None, None)
+    return CameraCalibration(width, height, K, distortion.ravel()[:5], float(rms), tuple(np.ravel(each).tolist()),
+                             np.ravel(stddev)[:9])
+
+
+def _fisheye(views, board, width, height):
+    import cv2
+    pixels = [np.asarray(view, dtype=float).reshape(1, -1, 2) for view in views]
+    points = [board.points_m[None]] * len(views)
+    try:
+        _, K, distortion, turns, places = cv2.fisheye.calibrate(
+            points, pixels, (width, height), None, None,
+            flags=cv2.fisheye.CALIB_RECOMPUTE_EXTRINSIC | cv2.fisheye.CALIB_FIX_SKEW)
+    except cv2.error as error:
+        raise ParameterError("views of the board: found views that do not tell the intrinsics of a fisheye lens, "
+                             f"allowed tilted ones, up to the border of the image ({error.err})") from error
+    # Gauss-Newton's normal matrix of the intrinsics, after the pose of each view has been eliminated.
+    normal, each = np.zeros((8, 8)), []
+    for view, turn, place in zip(pixels, turns, places):
+        seen, J = cv2.fisheye.projectPoints(board.points_m[None], turn, place, K, distortion, jacobian=None)
+        of_camera, of_pose = J[:, :8], J[:, 8:14]
+        normal += of_camera.T @ (of_camera - of_pose @ np.linalg.lstsq(of_pose, of_camera, rcond=None)[0])
+        each.append(float(np.sqrt(np.mean(((seen - view)[0]**2).sum(axis=1)))))
+    rms = float(np.sqrt(np.mean(np.square(each))))
+    samples = 2 * len(views) * len(board.points_m)
+    variance = 0.5 * rms**2 * samples / max(1, samples - 8 - 6 * len(views))
+    stddev = np.sqrt(variance * np.diag(np.linalg.pinv(normal)))
+    return CameraCalibration(width, height, K, distortion.ravel(), rms, tuple(each), stddev, "equidistant")

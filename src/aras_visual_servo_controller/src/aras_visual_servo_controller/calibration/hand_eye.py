@@ -8,7 +8,7 @@ looks like a camera that sits elsewhere. The fit also tells how well X_FC is kno
 
 from dataclasses import dataclass
 from math import hypot
-from typing import Any, Dict, Sequence, Tuple
+from typing import Dict, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -20,6 +20,8 @@ from .camera import CameraCalibration
 LEAST_VIEWS = 4
 #: The arm must turn about axes that differ, or the translation along the one axis stays unknown [rad].
 LEAST_TURN_RAD = 0.1
+#: Triples of samples that are tried where a residual is too large.
+TRIALS = 60
 
 
 @dataclass(frozen=True)
@@ -52,45 +54,77 @@ class HandEye:
                 "goal as a camera pose, at the target": 1e3 * hypot(self.stddev_m, z_star_m * self.stddev_rad)}
 
 
-def calibrate_hand_eye(poses: Sequence[np.ndarray],
-                       views: Sequence[np.ndarray], board: Board, camera: CameraCalibration) -> HandEye:
-    """`HandEye`.
+def calibrate_hand_eye(poses: Sequence[np.ndarray], views: Sequence[np.ndarray], board: Board,
+                       camera: CameraCalibration, names: Optional[Sequence[str]] = None) -> HandEye:
+    """Returns where the camera is on a link of the arm. The board rests.
+
+    A camera that stands still and sees a board on a link of the arm is the same problem: with the inverse poses X_FB,
+    the result's X_FC is the camera in the base, and its X_BO the board on the link.
 
     Args:
         poses: list of X_BF, (4, 4), of the link that carries the camera.  views: list of (n, 2) pixels of the board.
-        camera: `CameraCalibration`.
-    Raises: ParameterError: too few views, or an arm that did not turn about two axes.
+        names: of the samples, for errors; None: their numbers.
+    Raises: ParameterError: too few views, an arm that did not turn about two axes, or samples whose poses do not belong
+        to their views.
     """
-    import cv2
     if len(views) < LEAST_VIEWS or len(views) != len(poses):
         raise ParameterError(f"views of the board: found {len(views)} with {len(poses)} poses of the arm, allowed >= "
                              f"{LEAST_VIEWS}, one pose each")
     _check_turns(poses)
-    boards = [board_pose(view, board, camera) for view in views]
+    boards = [camera.pose_of(view, board) for view in views]
+    found = _fitted(poses, views, board, camera, *_first_guess(poses, boards))
+    if not max(found.view_residuals_px) < camera.residual_limit_px:
+        names = [str(k) for k in range(len(views))] if names is None else names
+        raise ParameterError(
+            f"samples: found a residual of {found.residual_px:.3g} px, allowed below {camera.residual_limit_px:.3g}; "
+            + _suspects(poses, boards, views, board, camera, names))
+    return found
+
+
+def _first_guess(poses, boards):
+    """(X_FC, X_BO). Raises cv2.error or ValueError where the poses do not tell."""
+    import cv2
     R, t = cv2.calibrateHandEye([X[:3, :3] for X in poses], [X[:3, 3] for X in poses], [X[:3, :3] for X in boards],
                                 [X[:3, 3] for X in boards], method=cv2.CALIB_HAND_EYE_PARK)
     X_FC = np.eye(4)
     X_FC[:3, :3], X_FC[:3, 3] = R, t.ravel()
-    X_BO = poses[0] @ X_FC @ boards[0]
-    return _fitted(poses, views, board, camera, X_FC, X_BO)
+    return X_FC, poses[0] @ X_FC @ boards[0]
 
 
-def board_pose(view: np.ndarray, board: Board, camera: CameraCalibration) -> np.ndarray:
-    """X_CO, (4, 4), of a board from its pixels (n, 2)."""
+def _suspects(poses, boards, views, board, camera, names):
+    """Says which samples do not fit the others, or by how many places poses and views are out of step."""
+    count = len(views)
+    fitting = _consensus(poses, boards, views, board, camera)
+    if 2 * len(fitting) > count:
+        others = ", ".join(names[k] for k in range(count) if k not in fitting)
+        return f"without {others} the others fit: take these samples again"
+    for lag in (1, -1, 2, -2):
+        late, early = slice(max(0, lag), count + min(0, lag)), slice(max(0, -lag), count - max(0, lag))
+        fitting = _consensus(poses[early], boards[late], views[late], board, camera)
+        if 2 * len(fitting) > count:
+            return (f"the joints of a sample fit the image {abs(lag)} {'after' if lag > 0 else 'before'} it: "
+                    "joints and images are out of step")
+    return "no half of the samples fits together: check joints (radians, signs), --link, and the size of the board"
+
+
+def _consensus(poses, boards, views, board, camera):
+    """Indices of the most samples that one place of the camera explains (RANSAC over triples; Fischler 1981)."""
     import cv2
-    _, turn, place = cv2.solvePnP(board.points_m, np.asarray(view, dtype=float), camera.K, camera.distortion)
-    X = np.eye(4)
-    X[:3, :3], X[:3, 3] = cv2.Rodrigues(turn)[0], place.ravel()
-    return X
-
-
-def projected(X_CO: np.ndarray, board: Board, camera: CameraCalibration, intrinsics: Any = None) -> np.ndarray:
-    """(n, 2) pixels of the board's points. Args: intrinsics: (9,), see `CameraCalibration`; None: the camera's."""
-    import cv2
-    fx, fy, cx, cy, *distortion = camera.intrinsics if intrinsics is None else intrinsics
-    K = np.array([[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]])
-    turn, _ = cv2.Rodrigues(np.ascontiguousarray(X_CO[:3, :3]))
-    return cv2.projectPoints(board.points_m, turn, X_CO[:3, 3], K, np.array(distortion))[0].reshape(-1, 2)
+    random, best = np.random.default_rng(0), []
+    for _ in range(TRIALS if len(views) >= LEAST_VIEWS else 0):
+        chosen = random.choice(len(views), 3, replace=False)
+        try:
+            X_FC, _ = _first_guess([poses[k] for k in chosen], [boards[k] for k in chosen])
+        except cv2.error:
+            continue
+        X_BO = poses[chosen[0]] @ X_FC @ boards[chosen[0]]
+        if not np.isfinite(X_BO).all():
+            continue
+        off = [camera.project(board.points_m, inverse(X_BF @ X_FC) @ X_BO) - view for X_BF, view in zip(poses, views)]
+        near = [k for k, each in enumerate(off)
+                if np.sqrt((each**2).sum(axis=1).mean()) < 2.0 * camera.residual_limit_px]
+        best = max(best, near, key=len)
+    return best
 
 
 def _fitted(poses, views, board, camera, X_FC, X_BO):
@@ -102,11 +136,11 @@ def _fitted(poses, views, board, camera, X_FC, X_BO):
     def residuals(step):
         at, to = X_FC @ exponential(step[:6]), X_BO @ exponential(step[6:12])
         intrinsics = taken + camera.stddev * step[12:] if free else taken
-        left = [(projected(inverse(X_BF @ at) @ to, board, camera, intrinsics) - view).ravel() / pixel
+        left = [(camera.project(board.points_m, inverse(X_BF @ at) @ to, intrinsics) - view).ravel() / pixel
                 for X_BF, view in zip(poses, views)]
         return np.concatenate([*left, step[12:]])
 
-    found = least_squares(residuals, np.zeros(12 + 9 * free), x_scale="jac", method="lm")
+    found = least_squares(residuals, np.zeros(12 + len(taken) * free), x_scale="jac", method="lm")
     left = pixel * found.fun[:2 * sum(map(len, views))].reshape(len(views), -1)
     variance = max(1.0 if free else 0.0, float(found.fun @ found.fun) / max(1, left.size - 12))
     covariance = variance * np.linalg.pinv(found.jac.T @ found.jac)

@@ -9,7 +9,6 @@ from aras_visual_servo import ParameterError
 from aras_visual_servo.spatial import exponential
 from .boards import Board
 from .camera import CameraCalibration
-from .hand_eye import board_pose, projected
 
 
 @dataclass(frozen=True)
@@ -42,11 +41,16 @@ class TargetPlane:
 def target_plane(view: np.ndarray, board: Board, camera: CameraCalibration) -> TargetPlane:
     """`TargetPlane` of a board in a view. Args: view: (n, 2) pixels.  camera: `CameraCalibration`.
 
-    Raises ParameterError: the board is seen from its edge, so that the optical axis does not meet its plane in front.
+    Raises ParameterError: the board is seen from its edge, so that the optical axis does not meet its plane in front;
+    or the residual is far above the camera's own.
     """
-    X_CO, view = board_pose(view, board, camera), np.asarray(view, dtype=float)
+    X_CO, view = camera.pose_of(view, board), np.asarray(view, dtype=float)
     jacobian = np.column_stack([_derivative(X_CO, k, board, camera) for k in range(6)])
-    left = projected(X_CO, board, camera) - view
+    left = camera.project(board.points_m, X_CO) - view
+    residual_px = float(np.sqrt(2.0 * np.mean(left**2)))
+    if not residual_px < camera.residual_limit_px:
+        raise ParameterError(f"board: found a residual of {residual_px:.3g} px, allowed below "
+                             f"{camera.residual_limit_px:.3g}: are --columns, --rows and --camera those of this image?")
     variance = float((left**2).sum()) / max(1, left.size - 6)
     covariance = variance * np.linalg.pinv(jacobian.T @ jacobian)
     normal, depth_m = _plane(X_CO)
@@ -55,7 +59,7 @@ def target_plane(view: np.ndarray, board: Board, camera: CameraCalibration) -> T
     slope = np.array([(_plane(X_CO @ exponential(step))[1] - depth_m) / 1e-6 for step in 1e-6 * np.eye(6)])
     tilt = float(np.sqrt(np.linalg.eigvalsh(covariance[3:5, 3:5])[-1]))
     of_focal_length = np.nan_to_num(depth_m * 0.5 * (camera.stddev[:2] / np.diag(camera.K)[:2]).sum())
-    return TargetPlane(X_CO, depth_m, normal, float(np.sqrt(2.0 * np.mean(left**2))),
+    return TargetPlane(X_CO, depth_m, normal, residual_px,
                        float(np.hypot(np.sqrt(slope @ covariance @ slope), of_focal_length)), tilt)
 
 
@@ -68,5 +72,5 @@ def _plane(X_CO):
 def _derivative(X_CO, k, board, camera, h=1e-6):
     step = np.zeros(6)
     step[k] = h
-    ahead, behind = (projected(X_CO @ exponential(sign * step), board, camera) for sign in (1.0, -1.0))
+    ahead, behind = (camera.project(board.points_m, X_CO @ exponential(sign * step)) for sign in (1.0, -1.0))
     return ((ahead - behind) / (2.0 * h)).ravel()

@@ -1,14 +1,17 @@
-"""The verb `calibrate camera | hand_eye | target`: what a real arm needs to know, from images of a board."""
+"""The verb `calibrate camera | hand_eye | eye_to_hand | target`: what a real arm needs, from images of a board."""
 
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
-from typing import Any, Dict, List, Sequence, Tuple, Union
+from typing import Any, Dict, Iterator, List, Sequence, Tuple, Union
 
 import numpy as np
 import yaml
 
+import aras_visual_servo as avs
 from aras_visual_servo import ParameterError, cli, load_scenario, robot_kinematics
+from aras_visual_servo.spatial import inverse
 from ..calibration.boards import KINDS, Board
+from ..calibration.camera import MODELS
 
 BOARD = "--columns 8 --rows 5 --size-m 0.03"
 
@@ -16,17 +19,21 @@ BOARD = "--columns 8 --rows 5 --size-m 0.03"
 def _options(parser: ArgumentParser) -> None:
     parser.add_argument("what", choices=tuple(_WORK), help="what to calibrate")
     parser.add_argument("files", nargs="+", metavar="FILE",
-                        help="camera: images of the board; hand_eye: a YAML list of {image: FILE, joints: {NAME: "
-                             "POSITION}}; target: one image")
+                        help="camera: images of the board; hand_eye, eye_to_hand: a YAML list of {image: FILE, joints: "
+                             "{NAME: POSITION}}; target: one image")
     parser.add_argument("--board", choices=KINDS, default=KINDS[0],
                         help="a chessboard (default), or OpenCV's asymmetric grid of circles")
     parser.add_argument("--columns", type=int, required=True, help="inner corners, or circles, in a row")
     parser.add_argument("--rows", type=int, required=True, help="rows of them; with a chessboard columns + rows is odd")
     parser.add_argument("--size-m", type=float, required=True,
                         help="side of a square, or distance of rows of circles [m]")
-    parser.add_argument("--camera", metavar="FILE", help="hand_eye, target: the file that `calibrate camera` wrote")
-    parser.add_argument("--scenario", help="hand_eye: the scenario with the arm: robot.urdf and robot.base_link")
-    parser.add_argument("--link", help="hand_eye: the link that carries the camera")
+    parser.add_argument("--model", choices=tuple(MODELS), default="plumb_bob",
+                        help="camera: model of its lens; equidistant is for fisheye lenses (default: plumb_bob)")
+    parser.add_argument("--camera", metavar="FILE", help="all but camera: the file that `calibrate camera` wrote")
+    parser.add_argument("--scenario", help="hand_eye, eye_to_hand: the scenario with the arm: robot.urdf and "
+                                           "robot.base_link")
+    parser.add_argument("--link", help="hand_eye: the link that carries the camera; eye_to_hand: the link that carries "
+                                       "the board")
     parser.add_argument("--z-star-m", type=float, default=0.5, metavar="M",
                         help="depth of the target at the goal, for what the error costs there (default: 0.5)")
     parser.add_argument("--output", metavar="FILE", help="write the result there too: a camera_info file, or the part "
@@ -51,7 +58,7 @@ def _camera(arguments: Namespace, board: Board) -> str:
     if len(sizes) != 1:
         raise ParameterError(f"images: found sizes {sorted(sizes)}, allowed one size")
     names, views = _found(arguments.files, images, board)
-    camera = calibrate_camera(views, board, sizes.pop())
+    camera = calibrate_camera(views, board, sizes.pop(), arguments.model)
     fx, fy, cx, cy = camera.intrinsics[:4]
     s_fx, s_fy, s_cx, s_cy = camera.stddev[:4]
     print(f"# fx {fx:.2f} +- {s_fx:.2f}, fy {fy:.2f} +- {s_fy:.2f}, cx {cx:.2f} +- {s_cx:.2f}, "
@@ -62,24 +69,51 @@ def _camera(arguments: Namespace, board: Board) -> str:
 
 
 def _hand_eye(arguments: Namespace, board: Board) -> str:
-    from ..calibration.hand_eye import calibrate_hand_eye
+    scenario, names, poses, views = _arm_and_views(arguments, board)
+    return _place(arguments, board, names, poses, views, {}, arguments.link)
+
+
+def _eye_to_hand(arguments: Namespace, board: Board) -> str:
+    scenario, names, poses, views = _arm_and_views(arguments, board)
+    return _place(arguments, board, names, list(map(inverse, poses)), views, {"target_link": arguments.link},
+                  scenario.robot["base_link"])
+
+
+def _arm_and_views(arguments: Namespace, board: Board) -> Tuple[avs.Scenario, List[str], List[np.ndarray], List[Any]]:
+    """(scenario, names, poses of --link in the base, views) of the samples in which the board is."""
     for key in ("scenario", "link"):
         if not getattr(arguments, key):
-            raise ParameterError(f"--{key}: found nothing, `calibrate hand_eye` needs it")
+            raise ParameterError(f"--{key}: found nothing, `calibrate {arguments.what}` needs it")
     scenario, samples = load_scenario(arguments.scenario), _samples(arguments.files)
     arm = robot_kinematics(scenario.urdf_xml(), scenario.robot["base_link"], arguments.link)
-    for sample in samples:
-        missing = [name for name in arm.joint_names if name not in sample["joints"]]
-        if missing:
-            raise ParameterError(f"{sample['image']}: joints: missing {', '.join(missing)}")
+    faults = [fault for sample in samples for fault in _joint_faults(arm, sample)]
+    if faults:
+        raise ParameterError(faults)
     by_name = {str(sample["image"]): arm.pose(arm.vector({name: float(sample["joints"][name])
                                                           for name in arm.joint_names})) for sample in samples}
     names, views = _found(list(by_name), [_image(name) for name in by_name], board)
-    found = calibrate_hand_eye([by_name[name] for name in names], views, board, _camera_of(arguments))
+    return scenario, names, [by_name[name] for name in names], views
+
+
+def _joint_faults(arm: Any, sample: Dict[str, Any]) -> Iterator[str]:
+    for name, low, high in zip(arm.joint_names, arm.lower, arm.upper):
+        key, position = f"{sample['image']}: joints.{name}", sample["joints"].get(name)
+        if position is None:
+            yield f"{key}: missing"
+        elif isinstance(position, bool) or not isinstance(position, (int, float)):
+            yield f"{key}: found {position!r}, allowed a number"
+        elif not low <= position <= high:
+            yield f"{key}: found {position:g}, allowed {low:g} to {high:g}, the limits of the URDF (rad, not degrees)"
+
+
+def _place(arguments: Namespace, board: Board, names: List[str], poses: List[np.ndarray], views: List[Any],
+           robot: Dict[str, Any], link: str) -> str:
+    from ..calibration.hand_eye import calibrate_hand_eye
+    found = calibrate_hand_eye(poses, views, board, _camera_of(arguments), names)
     _residual(found.residual_px, names, found.view_residuals_px)
     _cost(found.cost(arguments.z_star_m), f"mm, at {arguments.z_star_m:g} m")
-    return yaml.safe_dump({"robot": {"hand_eye": {
-        "link": arguments.link, "position_m": [float(round(value, 6)) for value in found.X_FC[:3, 3]],
+    return yaml.safe_dump({"robot": {**robot, "hand_eye": {
+        "link": link, "position_m": [float(round(value, 6)) for value in found.X_FC[:3, 3]],
         "rpy_rad": [float(round(value, 6)) for value in found.rpy_rad]}}}, sort_keys=False)
 
 
@@ -95,7 +129,7 @@ def _target(arguments: Namespace, board: Board) -> str:
                            "experiment": {"z_star_m": float(round(found.z_star_m, 6))}}, sort_keys=False)
 
 
-_WORK = {"camera": _camera, "hand_eye": _hand_eye, "target": _target}
+_WORK = {"camera": _camera, "hand_eye": _hand_eye, "eye_to_hand": _eye_to_hand, "target": _target}
 
 
 def _image(path: Union[str, Path]) -> np.ndarray:
@@ -159,5 +193,7 @@ VERBS = {"calibrate": cli.Command(
     [(f"camera images/*.png {BOARD} --output camera.yaml", "the intrinsics, as camera_info_url reads them"),
      (f"hand_eye samples.yaml --camera camera.yaml --scenario my_arm.yaml --link flange {BOARD}",
       "where the camera is on its link, for robot.hand_eye"),
+     (f"eye_to_hand samples.yaml --camera camera.yaml --scenario my_arm.yaml --link flange {BOARD}",
+      "where a camera stands that sees the board in the hand, for robot.hand_eye and robot.target_link"),
      (f"target at_goal.png --camera camera.yaml {BOARD}", "depth and normal of the plane that the board is on")],
     _options, _calibrate)}

@@ -100,7 +100,7 @@ def _feature_rows(summary):
         rows.append({"style": style, "value": f"{value * style.factor:+.{digits}f}" if is_number(value) else "unknown",
                      "threshold": f"{threshold * style.factor:.4g}" if threshold is not None else "",
                      "gain": f"{gain:g}" if gain is not None else "",
-                     "rate": f"{rate:.2f}" if is_number(rate) else ""})
+                     "rate": "" if rate is None else f"{rate:.2f}" if is_number(rate) else "not exponential"})
     return rows
 
 

@@ -226,10 +226,9 @@ def format_summary(summary: Dict[str, Any]) -> str:
         lines.append(f"{row['label']:<31}" + "".join(f"{cell:>{width}}" for cell, width in cells))
     lines += ["", f"{'time to converge' if summary['converged'] else 'servo time':<20}{summary['duration_s']:.2f} s "
                   f"simulated, {summary['images']} images"]
-    rates = {name: rate for name, rate in summary["measured_decay_per_s"].items() if is_number(rate)}
-    if rates and summary["promised_decay_per_s"]:
-        asked = summary["promised_decay_per_s"]
-        text = ", ".join(f"{name} {rate:.2f} (asked {asked[name]:g})"
+    rates, asked = summary["measured_decay_per_s"], summary["promised_decay_per_s"]
+    if rates and asked:
+        text = ", ".join(f"{name} {f'{rate:.2f}' if is_number(rate) else 'not exponential'} (asked {asked[name]:g})"
                          for name, rate in rates.items() if name in asked)
         lines.append(f"{'decay [1/s]':<20}{text}")
     lines += [f"{'the servo saw':<20}{row['label']} {row['found']} (allowed {row['allowed']})"
