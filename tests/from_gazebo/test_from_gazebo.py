@@ -5,7 +5,6 @@ import sys
 import time
 
 import pytest
-
 from ros_graph import Graph
 
 ROBOT = pathlib.Path(__file__).resolve().parent / "robot"

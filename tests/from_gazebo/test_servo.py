@@ -3,7 +3,6 @@ import pathlib
 import sys
 
 import yaml
-
 from ros_graph import Graph
 
 HERE = pathlib.Path(__file__).resolve().parent

@@ -4,13 +4,9 @@ the chains that it is made of, for both arms."""
 import numpy as np
 import pytest
 
-from aras_visual_servo.arm.robot import kinematics_of
-from aras_visual_servo.features.interaction import plane_from_pose
-from aras_visual_servo.features.base import View
+from aras_visual_servo import kinematics_of, load_scenario, ModelError, plane_from_pose, View
 from aras_visual_servo.features.points import point_rows
-from aras_visual_servo.ground.errors import ModelError
 from aras_visual_servo.spatial import adjoint, inverse, pose_from_rpy
-from aras_visual_servo.scenario.scenario import load_scenario
 
 STEP = 1e-6  # of central differences [m, rad]
 #: Truncation STEP^2 / 6 = 2e-13, rounding eps / STEP = 2e-10 on lengths near 1.6 m, times ten.

@@ -4,19 +4,13 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from aras_visual_servo.arm.free_camera import NAMES, FreeCamera
-from aras_visual_servo.arm.kinematics import Kinematics
+from aras_visual_servo import (
+    ExperimentSettings, Kinematics, load_scenario, load_yaml, ModelError, NotFiniteError, ParameterError, reach,
+    resolve_uri, robot_kinematics, ServoSettings, ShapeError, TwistInverse)
+from aras_visual_servo.arm.free_camera import FreeCamera, NAMES
 from aras_visual_servo.arm.motion import ArmMotion
-from aras_visual_servo.arm.reach import reach
-from aras_visual_servo.arm.redundancy import TwistInverse
-from aras_visual_servo.arm.robot import robot_kinematics
 from aras_visual_servo.arm.trajectory import JointTrajectory
-from aras_visual_servo.config.files import load_yaml, resolve_uri
-from aras_visual_servo.ground.errors import ModelError, NotFiniteError, ParameterError, ShapeError
 from aras_visual_servo.spatial import exponential, inverse, rotation, rotation_vector
-from aras_visual_servo.runs.settings import ExperimentSettings
-from aras_visual_servo.scenario.scenario import load_scenario
-from aras_visual_servo.servo.settings import ServoSettings
 
 URDF = resolve_uri("package://aras_description/urdf/free_camera.urdf").read_text()
 ASKEW = """<robot name="askew"><link name="world"/><link name="body"/><link name="eye"/>

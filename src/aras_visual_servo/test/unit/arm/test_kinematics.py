@@ -2,12 +2,10 @@
 
 import numpy as np
 import pytest
-from toy_plant import GOAL, URDF, arm
+from toy_plant import arm, GOAL, URDF
 
-from aras_visual_servo.ground.errors import ModelError, NotFiniteError, ParameterError, ShapeError
-from aras_visual_servo.arm.kinematics import Kinematics
-from aras_visual_servo.arm.limits import velocity_factor
-from aras_visual_servo.arm.redundancy import TwistInverse
+from aras_visual_servo import (
+    Kinematics, ModelError, NotFiniteError, ParameterError, ShapeError, TwistInverse, velocity_factor)
 
 STEP = 1e-6  # of central differences [m, rad]
 #: Truncation STEP^2 / 6 = 2e-13, rounding eps / STEP = 2e-10 on lengths near 1.6 m, times ten.

@@ -2,8 +2,7 @@
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from aras_visual_servo.config.files import load_yaml
-from aras_visual_servo.ground.errors import ParameterError
+from aras_visual_servo import load_yaml, ParameterError
 
 #: Pieces that YAML gives a meaning to.
 PIECES = st.sampled_from([

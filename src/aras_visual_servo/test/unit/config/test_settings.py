@@ -7,11 +7,10 @@ from typing import Dict, Optional, Tuple
 import jsonschema
 import pytest
 
-from aras_visual_servo.config.reader import Names, faults_of, read
+from aras_visual_servo import keys_of, Names, ParameterError, read, setting
+from aras_visual_servo.config.reader import faults_of
 from aras_visual_servo.config.schema import schema_of
-from aras_visual_servo.config.settings import keys_of, setting
 from aras_visual_servo.config.tables import table_of
-from aras_visual_servo.ground.errors import ParameterError
 from aras_visual_servo.ground.registry import one_of
 
 

@@ -2,11 +2,9 @@
 
 import numpy as np
 import pytest
-from views import ROUNDING, SIX, assert_same, differences, exponential, parallel_pose, plane_of, tilted_pose, view
+from views import assert_same, differences, exponential, parallel_pose, plane_of, ROUNDING, SIX, tilted_pose, view
 
-from aras_visual_servo.ground.errors import DegenerateFeature, ParameterError
-from aras_visual_servo.features.base import FeatureSet, View, known_features
-from aras_visual_servo.ground.types import Features
+from aras_visual_servo import DegenerateFeature, Features, FeatureSet, known_features, ParameterError, View
 
 SEEDS = (1, 2, 3, 4)
 INVARIANTS = ("sx", "sy", "px", "py")

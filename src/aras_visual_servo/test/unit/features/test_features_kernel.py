@@ -2,12 +2,10 @@
 
 import numpy as np
 import pytest
-from views import assert_same, differences, plane_of, tilted_pose
 from toy_plant import OUTLINE, picture
+from views import assert_same, differences, plane_of, tilted_pose
 
-from aras_visual_servo.ground.errors import DegenerateFeature
-from aras_visual_servo.features.base import FeatureSet, View
-from aras_visual_servo.ground.types import Features
+from aras_visual_servo import DegenerateFeature, Features, FeatureSet, View
 
 P, Q, X0, Y0 = 1.5, 2.0, -0.9, -0.7
 # Of X^-3.5 along an edge that is a fifth of its distance from the corner: rounding.

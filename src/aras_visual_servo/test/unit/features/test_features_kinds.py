@@ -5,11 +5,8 @@ import pytest
 from views import assert_same, differences, exponential, plane_of, tilted_pose, view
 from visp_values import PLANE, POLYGON
 
-from aras_visual_servo.features.base import FeatureSet, View
-from aras_visual_servo.ground.errors import DegenerateFeature
-from aras_visual_servo.ground.types import Features, Reference
+from aras_visual_servo import DegenerateFeature, Features, FeatureSet, Look, Reference, View
 from aras_visual_servo.laws.base import LawSetup, make_law
-from aras_visual_servo.laws.look import Look
 
 SEEDS = (1, 2, 3, 4)
 QUADRILATERAL = np.array([[-0.09, -0.05], [0.09, -0.05], [0.09, 0.05], [-0.09, 0.05]])

@@ -4,11 +4,9 @@ import numpy as np
 import pytest
 from views import assert_same, differences, look_at, plane_of, tilted_pose, view
 
-from aras_visual_servo.ground.errors import DegenerateFeature, ParameterError
-from aras_visual_servo.features.base import FeatureSet, View, expand, known_features
+from aras_visual_servo import (
+    DegenerateFeature, expand, Features, FeatureSet, known_features, ParameterError, Reference, ServoSettings, View)
 from aras_visual_servo.laws.base import LawSetup, make_law
-from aras_visual_servo.servo.settings import ServoSettings
-from aras_visual_servo.ground.types import Features, Reference
 
 SEEDS = (1, 2, 3, 4)
 POINTS = ("x1", "y1", "x3", "y3", "x5", "y5")

@@ -3,11 +3,8 @@
 import numpy as np
 import pytest
 
-from aras_visual_servo.features import FeatureSet, source_named
+from aras_visual_servo import Features, FeatureSet, load_scenario, ServoLoop, source_named, Status
 from aras_visual_servo.spatial import quaternion_xyzw
-from aras_visual_servo.ground.types import Features, Status
-from aras_visual_servo.runs.loop import ServoLoop
-from aras_visual_servo.scenario.scenario import load_scenario
 
 POINTS = {"servo.law": "ibvs", "servo.features": ["points4"], "servo.gains_per_s": {"points4": 2.0},
           "servo.thresholds": {"points4": 0.0005}, "servo.interaction": "mean"}

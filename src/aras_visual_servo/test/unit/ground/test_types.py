@@ -7,8 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo.ground.types import Features, Reference, ServoRecord, Status
+from aras_visual_servo import Features, ParameterError, Reference, ServoRecord, Status
 
 MESSAGES = Path(__file__).parents[4] / "aras_visual_servo_msgs" / "msg"
 

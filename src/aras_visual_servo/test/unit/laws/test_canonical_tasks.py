@@ -12,11 +12,9 @@ import numpy as np
 import pytest
 from views import exponential, look_at, plane_of, tilted_pose, view
 
-from aras_visual_servo.ground.errors import DegenerateFeature
-from aras_visual_servo.features.base import FeatureSet
+from aras_visual_servo import DegenerateFeature, FeatureSet, Reference
 from aras_visual_servo.laws.base import LawSetup, make_law
 from aras_visual_servo.spatial import rotation_vector
-from aras_visual_servo.ground.types import Reference
 
 DT_S = 1.0 / 30.0
 GAIN_PER_S = 2.0

@@ -2,14 +2,12 @@
 
 import numpy as np
 import pytest
-from constrained import DT_S, GOAL, MOMENTS, POINTS, ROUNDING, VIEW, arm_of, asked, fly, law_of, turned
+from constrained import arm_of, asked, DT_S, fly, GOAL, law_of, MOMENTS, POINTS, ROUNDING, turned, VIEW
 from views import assert_same, differences, look_at, plane_of, tilted_pose, view
 
-from aras_visual_servo.features.base import View
-from aras_visual_servo.ground.errors import DegenerateFeature, ParameterError
+from aras_visual_servo import DegenerateFeature, ParameterError, Status, View
+from aras_visual_servo.laws.constraints import ConstraintSettings, rooms_of, WallSettings
 from aras_visual_servo.spatial import exponential
-from aras_visual_servo.ground.types import Status
-from aras_visual_servo.laws.constraints import ConstraintSettings, WallSettings, rooms_of
 
 #: A point's coordinate is linear in the motion of a period but for this part of the view: (0.1 rad)^2.
 CURVED = 0.01

@@ -2,13 +2,11 @@
 
 import numpy as np
 import pytest
-from views import SIX, exponential, look_at, plane_of, tilted_pose, view
+from views import exponential, look_at, plane_of, SIX, tilted_pose, view
 
-from aras_visual_servo.ground.errors import DegenerateFeature, ParameterError
-from aras_visual_servo.features.base import FeatureSet, View
-from aras_visual_servo.laws.base import LawSetup, adaptive_factor, make_law
+from aras_visual_servo import DegenerateFeature, FeatureSet, ParameterError, Reference, View
+from aras_visual_servo.laws.base import adaptive_factor, LawSetup, make_law
 from aras_visual_servo.laws.setup import AdaptiveGainSettings
-from aras_visual_servo.ground.types import Reference
 
 GAINS = (3.0, 2.0, 4.0, 1.5, 2.5, 1.0)
 ROUNDING = 1e-9  # of a 6 x 6 system of condition 100

@@ -8,13 +8,11 @@ from bench import Bench, config
 from toy_plant import arm
 from views import look_at
 
-from aras_visual_servo.ground.errors import DegenerateFeature, NotFiniteError, ParameterError
-from aras_visual_servo.features.base import FeatureSet
+from aras_visual_servo import (
+    DegenerateFeature, FeatureSet, NotFiniteError, Observation, ParameterError, Reference, Servo, Status)
 from aras_visual_servo.laws.base import LawSetup, make_law
 from aras_visual_servo.laws.photometric import PhotometricSettings
 from aras_visual_servo.scenario.check import check
-from aras_visual_servo.servo.servo import Servo
-from aras_visual_servo.ground.types import Observation, Reference, Status
 
 DT_S, GAIN = 1.0 / 30.0, 3.0
 NAMES = ("photometric",)

@@ -6,13 +6,10 @@ import numpy as np
 import pytest
 from views import exponential, look_at, plane_of, tilted_pose, view
 
-from aras_visual_servo.ground.errors import DegenerateFeature, ParameterError
-from aras_visual_servo.features.base import FeatureSet, View
+from aras_visual_servo import DegenerateFeature, Features, FeatureSet, ParameterError, Reference, ServoSettings, View
 from aras_visual_servo.laws.base import LawSetup, make_law
 from aras_visual_servo.laws.broyden import BroydenSettings
-from aras_visual_servo.laws.sliding import SlidingSettings, _rate
-from aras_visual_servo.servo.settings import ServoSettings
-from aras_visual_servo.ground.types import Features, Reference
+from aras_visual_servo.laws.sliding import _rate, SlidingSettings
 
 DT_S = 1.0 / 30.0
 ROUNDING = 1e-9

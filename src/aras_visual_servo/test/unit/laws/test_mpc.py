@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-from constrained import DT_S, GOAL, MOMENTS, POINTS, ROUNDING, VIEW, arm_of, asked, law_of, turned
+from constrained import arm_of, asked, DT_S, GOAL, law_of, MOMENTS, POINTS, ROUNDING, turned, VIEW
 from views import assert_same, differences, look_at, plane_of, tilted_pose, view
 
-from aras_visual_servo.laws.constraints import ConstraintSettings, WallSettings, rooms_of
-from aras_visual_servo.laws.mpc import (CONTOUR, MpcSettings, _contour, _poses, _rooms_of_contour,
-                                        predicted_points)
+from aras_visual_servo.laws.constraints import ConstraintSettings, rooms_of, WallSettings
+from aras_visual_servo.laws.mpc import _contour, _poses, _rooms_of_contour, CONTOUR, MpcSettings, predicted_points
 
 
 def test_predicted_points_and_their_rows_are_those_of_the_moved_camera():

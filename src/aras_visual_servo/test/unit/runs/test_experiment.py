@@ -5,11 +5,10 @@ import math
 
 import numpy as np
 import pytest
-from synthetic import RATE_PER_S, SETTINGS, X_WCG, make_record, pose_CgC
+from synthetic import make_record, pose_CgC, RATE_PER_S, SETTINGS, X_WCG
 
-from aras_visual_servo.runs.judge import NothingToJudge, fit_decay, judge, pose_error
-from aras_visual_servo.runs.record import RecordBuilder
-from aras_visual_servo.ground.types import Status
+from aras_visual_servo import fit_decay, judge, pose_error, RecordBuilder, Status
+from aras_visual_servo.runs.judge import NothingToJudge
 
 # Products and inverses of a few 4 x 4 matrices of order 1 m: rounding of about 10 eps, in mm.
 ROUNDING_MM = 1e-11

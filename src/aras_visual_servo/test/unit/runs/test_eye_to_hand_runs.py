@@ -3,16 +3,13 @@ the camera."""
 import numpy as np
 import pytest
 
+import aras_visual_servo as avs
+from aras_visual_servo import judge, load_scenario, measures, ParameterError
 from aras_visual_servo.arm.kinematics import EyeToHand
-from aras_visual_servo.ground.errors import ParameterError
 from aras_visual_servo.spatial import inverse, rotation_angle
 from aras_visual_servo_study.report.page import report_html
 from aras_visual_servo_study.report.pictures import panel_title
 from aras_visual_servo_study.report.report import summarise
-import aras_visual_servo as avs
-from aras_visual_servo.runs.judge import judge
-from aras_visual_servo.runs.measures import measures
-from aras_visual_servo.scenario.scenario import load_scenario
 
 #: What the scenarios promise. Dry friction leaves a few tenths of a millimetre, a tag's corners as much again.
 MM_DEG = {"x_mm": 1.0, "y_mm": 1.0, "z_mm": 1.0, "angle_deg": 0.2}

@@ -3,14 +3,10 @@
 import numpy as np
 import pytest
 
-from aras_visual_servo.laws import base as laws
-from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo.runs.judge import judge
-from aras_visual_servo.runs.loop import ServoLoop
-from aras_visual_servo.runs.record import RecordBuilder
-from aras_visual_servo_study.sweep.judge import trace_hash
+from aras_visual_servo import judge, load_scenario, ParameterError, RecordBuilder, ServoLoop
 from aras_visual_servo.ground.types import PHASES
-from aras_visual_servo.scenario.scenario import load_scenario
+from aras_visual_servo.laws import base as laws
+from aras_visual_servo_study.sweep.judge import trace_hash
 
 
 @pytest.fixture(scope="module")

@@ -2,11 +2,9 @@
 
 import numpy as np
 import pytest
-from synthetic import IMAGE_PERIOD_NS, blob, make_record
+from synthetic import blob, IMAGE_PERIOD_NS, make_record
 
-from aras_visual_servo.ground.errors import ShapeError
-from aras_visual_servo.runs.record import RecordBuilder
-from aras_visual_servo.ground.types import Features, ServoRecord, Status
+from aras_visual_servo import Features, RecordBuilder, ServoRecord, ShapeError, Status
 
 
 def builder():

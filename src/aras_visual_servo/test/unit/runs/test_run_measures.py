@@ -3,11 +3,9 @@
 import numpy as np
 import pytest
 
-from aras_visual_servo.features.target.outline import Outline
-from aras_visual_servo.runs.record import RecordBuilder
+from aras_visual_servo import measures, MEASURES, Outline, RecordBuilder, Status
+from aras_visual_servo.runs.measures import distance_from_segment
 from aras_visual_servo.spatial import rotation
-from aras_visual_servo.runs.measures import MEASURES, distance_from_segment, measures
-from aras_visual_servo.ground.types import Status
 
 CAMERA = {"width": 320, "height": 240, "fx_px": 200.0}
 DOWN = rotation(np.array([np.pi, 0.0, 0.0]))  # x stays, the camera looks along -z

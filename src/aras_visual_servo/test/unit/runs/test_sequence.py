@@ -2,12 +2,10 @@
 
 import numpy as np
 import pytest
-from toy_plant import GOAL, PERIOD_NS, START, Camera, arm, pose_error
+from toy_plant import arm, Camera, GOAL, PERIOD_NS, pose_error, START
 
-from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo.runs.sequence import ExperimentSequence
-from aras_visual_servo.servo.servo import Servo
-from aras_visual_servo.ground.types import FEATURE_NAMES, PHASES, Observation, Status
+from aras_visual_servo import ExperimentSequence, FEATURE_NAMES, Observation, ParameterError, Servo, Status
+from aras_visual_servo.ground.types import PHASES
 
 FINAL_POSITION_M = 1e-5  # wanted; thresholds of 1 um leave below 2 um
 EXPERIMENT = {"goal": {"joints": GOAL}, "start": {"joints": START}, "z_star_m": 0.5934, "settle_s": 0.5,

@@ -3,8 +3,7 @@ import copy
 
 from hypothesis import given, settings, strategies as st
 
-from aras_visual_servo.ground.errors import ArasError
-from aras_visual_servo.scenario.scenario import load_scenario, scenario_from_dict
+from aras_visual_servo import ArasError, load_scenario, scenario_from_dict
 
 SHIPPED = {name: load_scenario(name) for name in ("experiment_1", "six_dof_rectangle")}
 ODD = st.sampled_from([

@@ -5,17 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from aras_visual_servo import (
+    Feasibility, Kinematics, load_scenario, Outline, ParameterError, reach, scenario_from_dict, scenario_names,
+    ServoLoop)
 from aras_visual_servo.cli import EXIT_PARAMETERS
 from aras_visual_servo.cli.main import main
-from aras_visual_servo.scenario.feasibility import Feasibility, check_feasible
-from aras_visual_servo.arm.kinematics import Kinematics
-from aras_visual_servo.runs.loop import ServoLoop
-from aras_visual_servo.features.target.outline import Outline
-from aras_visual_servo.arm.reach import reach
-from aras_visual_servo.ground.errors import ParameterError
+from aras_visual_servo.scenario.feasibility import check_feasible
 from aras_visual_servo.spatial import rotation
-from aras_visual_servo.scenario.scenario import load_scenario, scenario_from_dict
-from aras_visual_servo.scenario.files import scenario_names
 
 GOAL = {"gantry": 0.0, "J1": 0.0, "J2": -0.5836, "J3": 1.6208, "J5": -1.0372, "J6": 0.0}
 #: The image's own outline is found on whole pixels: half a pixel each side, and what settling moves the camera by.

@@ -7,16 +7,12 @@ import numpy as np
 import pytest
 import yaml
 
-from aras_visual_servo.arm.robot import robot_kinematics
+from aras_visual_servo import (
+    keys_of, load_scenario, load_yaml, package_path, ParameterError, resolve_uri, robot_kinematics, scenario_from_dict,
+    scenario_names, scenario_schema, ServoSettings)
 from aras_visual_servo.scenario import scenario as scenario_module
-from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo.scenario.scenario import load_scenario, scenario_from_dict
 from aras_visual_servo.scenario.check import check
-from aras_visual_servo.config.files import load_yaml, package_path, resolve_uri
-from aras_visual_servo.config.settings import keys_of
-from aras_visual_servo.scenario.files import find_scenario, scenario_names
-from aras_visual_servo.scenario.schema import scenario_schema
-from aras_visual_servo.servo.settings import ServoSettings
+from aras_visual_servo.scenario.files import find_scenario
 
 SHIPPED = scenario_names()
 

@@ -8,16 +8,12 @@ import jsonschema
 import pytest
 import yaml
 
-from aras_visual_servo.config.files import package_path
-from aras_visual_servo.config.schema import yaml_section
-from aras_visual_servo.config.settings import setting
+from aras_visual_servo import (
+    Law, load_scenario, package_path, ParameterError, register_law, scenario_schema, setting, yaml_section)
 from aras_visual_servo.config.tables import part_of, table_of
-from aras_visual_servo.ground.errors import ParameterError
 from aras_visual_servo.laws import base as laws
-from aras_visual_servo.laws.base import Law, register_law
 from aras_visual_servo.scenario.check import check
-from aras_visual_servo.scenario.scenario import load_scenario
-from aras_visual_servo.scenario.schema import described_sections, scenario_schema
+from aras_visual_servo.scenario.schema import described_sections
 
 DESCRIBED = ("robot", "sim", "time", "vision", "servo", "experiment", "sweep")
 #: Endings of names and the unit they stand for; the longer ones first.

@@ -5,16 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from bench import Bench, config, resting
-from test_feed_forward import MovingBench, evenly
-from toy_plant import PERIOD_NS, arm
+from test_feed_forward import evenly, MovingBench
+from toy_plant import arm, PERIOD_NS
 from views import assert_same, differences, plane_of, tilted_pose, view
 
-from aras_visual_servo.features.base import FeatureSet, expand
-from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo.spatial import exponential, rotation, rotation_vector
-from aras_visual_servo.ground.types import Features, Status
+from aras_visual_servo import expand, Features, FeatureSet, ParameterError, ServoSettings, Status
 from aras_visual_servo.servo.feature_filter import FeatureFilter, FilterSettings, matrix_of_pose
-from aras_visual_servo.servo.settings import ServoSettings
+from aras_visual_servo.spatial import exponential, rotation, rotation_vector
 
 #: The features move along curves between two looks: of a motion of 0.05 m and 0.1 rad in all, a fiftieth.
 CURVED = 0.02

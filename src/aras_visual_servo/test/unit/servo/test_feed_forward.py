@@ -2,19 +2,16 @@
 
 import numpy as np
 import pytest
+from bench import Bench, config, DT_S, resting
 from synthetic import make_record
-from bench import Bench, DT_S, config, resting
-from toy_plant import GOAL, PERIOD_NS, Camera, arm
+from toy_plant import arm, Camera, GOAL, PERIOD_NS
 
-from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo.runs.judge import goal_pose, judge, pose_error, taught_pose, tracking
-from aras_visual_servo.features.base import FeatureSet, View
-from aras_visual_servo.servo.feed_forward import (
-    POSE_FEATURES, ConstantVelocity, FeedForwardSettings, TargetMotion)
-from aras_visual_servo.features.interaction import plane_from_pose
-from aras_visual_servo.servo.servo import Servo
+from aras_visual_servo import (
+    FEATURE_NAMES, Features, FeatureSet, goal_pose, judge, Observation, ParameterError, plane_from_pose, pose_error,
+    Reference, Servo, Status, tracking, View)
+from aras_visual_servo.runs.judge import taught_pose
+from aras_visual_servo.servo.feed_forward import ConstantVelocity, FeedForwardSettings, POSE_FEATURES, TargetMotion
 from aras_visual_servo.spatial import exponential
-from aras_visual_servo.ground.types import FEATURE_NAMES, Features, Observation, Reference, Status
 
 BENT = {"gantry": 0.0, "J1": 0.0, "J2": -0.5, "J3": 0.9, "J5": -0.4, "J6": 0.0}
 LAMBDA = 3.0

@@ -5,8 +5,7 @@ import pytest
 from bench import Bench, config
 from toy_plant import GOAL, pose_error
 
-from aras_visual_servo.ground.types import FEATURE_NAMES, Status
-from aras_visual_servo.servo.servo import Servo
+from aras_visual_servo import FEATURE_NAMES, Servo, Status
 
 GAINS = dict.fromkeys(FEATURE_NAMES, 50.0)  # half of the error by each look
 TILT_RAD = 0.01

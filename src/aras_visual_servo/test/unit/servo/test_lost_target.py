@@ -4,14 +4,11 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from bench import Bench, DT_S, config, resting
-from toy_plant import GOAL, START, arm, pose_error
+from bench import Bench, config, DT_S, resting
+from toy_plant import arm, GOAL, pose_error, START
 
-from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo.arm.limits import velocity_factor
+from aras_visual_servo import FEATURE_NAMES, Observation, ParameterError, Servo, Status, velocity_factor
 from aras_visual_servo.servo.lost_target import LostTarget, LostTargetSettings, search_places
-from aras_visual_servo.servo.servo import Servo
-from aras_visual_servo.ground.types import FEATURE_NAMES, Observation, Status
 
 SPEED = 0.5  # default of lost_target/speed [m/s, rad/s]
 ROUNDING = 1e-9

@@ -2,13 +2,11 @@
 
 import numpy as np
 import pytest
-from bench import Bench, DT_S, LAMBDA, config, resting
-from toy_plant import GOAL, PERIOD_NS, START, arm, pose_error
+from bench import Bench, config, DT_S, LAMBDA, resting
+from toy_plant import arm, GOAL, PERIOD_NS, pose_error, START
 
-from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo.laws.base import Law, register_law
-from aras_visual_servo.servo.servo import Servo
-from aras_visual_servo.ground.types import FEATURE_NAMES, Features, Observation, Reference, Status
+from aras_visual_servo import (
+    FEATURE_NAMES, Features, Law, Observation, ParameterError, Reference, register_law, Servo, Status)
 
 #: Wanted true accuracy; thresholds of 1 um and 1 urad leave below 2 um.
 

@@ -5,13 +5,9 @@ import pytest
 from bench import Bench, config
 from toy_plant import arm
 
+from aras_visual_servo import DegenerateFeature, ParameterError, plane_from_pose, Servo, Status
 from aras_visual_servo.features import base as features
-
 from aras_visual_servo.laws import base as laws
-from aras_visual_servo.ground.errors import DegenerateFeature, ParameterError
-from aras_visual_servo.features.interaction import plane_from_pose
-from aras_visual_servo.servo.servo import Servo
-from aras_visual_servo.ground.types import Status
 
 SIX = ("xn", "yn", "an", "sx", "sy", "alpha")
 ROUNDING = 1e-10  # of a chain of two forward kinematics

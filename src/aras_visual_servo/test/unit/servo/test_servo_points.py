@@ -5,8 +5,7 @@ import pytest
 from bench import Bench
 from toy_plant import pose_error
 
-from aras_visual_servo.features.base import expand
-from aras_visual_servo.ground.types import Status
+from aras_visual_servo import expand, Status
 
 POINTS = expand(["points5"])
 POSE, HYBRID = ("tx", "ty", "tz", "rx", "ry", "rz"), ("xr", "yr", "zr", "rx", "ry", "rz")

@@ -2,16 +2,13 @@
 
 import numpy as np
 import pytest
-from bench import DT_S, Bench
+from bench import Bench, DT_S
 from toy_plant import GOAL, PERIOD_NS, START
 
-from aras_visual_servo.features.base import FeatureSet
-from aras_visual_servo.ground.errors import ParameterError
+from aras_visual_servo import FEATURE_NAMES, FeatureSet, ParameterError, Reference, ServoSettings, Status, StopSettings
+from aras_visual_servo.servo.creep import CreepCompensation, FASTEST
+from aras_visual_servo.servo.stop_rule import GoalPose, StopRule
 from aras_visual_servo.spatial import exponential, inverse, rotation_vector
-from aras_visual_servo.ground.types import FEATURE_NAMES, Reference, Status
-from aras_visual_servo.servo.creep import FASTEST, CreepCompensation
-from aras_visual_servo.servo.settings import ServoSettings
-from aras_visual_servo.servo.stop_rule import GoalPose, StopRule, StopSettings
 
 #: Of the shipped experiments.
 THRESHOLDS = {"xn": 0.00005, "yn": 0.00015, "an": 0.00005, "alpha": 0.0003}

@@ -6,8 +6,7 @@ import unittest
 import numpy as np
 import rospy
 from sensor_msgs.msg import JointState
-
-from wiring import Watcher, call, wait_until
+from wiring import call, wait_until, Watcher
 
 
 class WrongSign(unittest.TestCase):

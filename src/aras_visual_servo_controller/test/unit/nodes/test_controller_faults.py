@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-from toy_plant import GOAL, arm
+from toy_plant import arm, GOAL
 
-from aras_visual_servo.ground.types import Features, ServoRecord, Status
+from aras_visual_servo import Features, ServoRecord, Session, Status
 from aras_visual_servo_controller.nodes import controller
-from aras_visual_servo.runs.session import Session
 
 STAMP_NS = 40_000_000
 

@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-from toy_plant import GOAL, arm
+from toy_plant import arm, GOAL
 
-from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo.ground.types import Command
+from aras_visual_servo import Command, make_form, ParameterError, RealSettings, SetPoint
+from aras_visual_servo.arm.real import FORMS
 from aras_visual_servo_controller.real.arm_link import ArmLink
-from aras_visual_servo.arm.real import FORMS, RealSettings, SetPoint, make_form
 
 MS = 1_000_000
 PERIOD_S = 0.008

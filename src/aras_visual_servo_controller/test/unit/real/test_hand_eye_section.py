@@ -3,11 +3,8 @@
 import numpy as np
 import pytest
 
-from aras_visual_servo.arm.robot import kinematics_of
-from aras_visual_servo.ground.errors import ModelError, ParameterError
+from aras_visual_servo import kinematics_of, load_scenario, ModelError, ParameterError, ServoLoop
 from aras_visual_servo.spatial import inverse, pose_from_rpy
-from aras_visual_servo.runs.loop import ServoLoop
-from aras_visual_servo.scenario.scenario import load_scenario
 
 #: Products of a dozen rotations: some eps.
 ROUNDING = 1e-9

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from toy_plant import Camera
 
-from aras_visual_servo.features.interaction import plane_from_pose
-from aras_visual_servo.ground.errors import DegenerateFeature, ParameterError
+from aras_visual_servo import DegenerateFeature, ParameterError, plane_from_pose
 from aras_visual_servo.spatial import exponential, inverse, rotation_rpy
 from aras_visual_servo_controller.real.prediction import predicted
 

@@ -5,10 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from aras_visual_servo.arm.real import FORMS, RealSettings
-from aras_visual_servo.arm.robot import kinematics_of
-from aras_visual_servo.config.settings import keys_of
-from aras_visual_servo.scenario.scenario import load_scenario
+from aras_visual_servo import keys_of, kinematics_of, load_scenario, RealSettings
+from aras_visual_servo.arm.real import FORMS
 
 PAGE = (Path(__file__).parents[5] / "docs" / "real_robot.md").read_text(encoding="utf-8")
 

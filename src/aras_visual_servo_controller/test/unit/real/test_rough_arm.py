@@ -5,10 +5,9 @@ import functools
 
 import numpy as np
 import pytest
-from rough_arm import MS, RoughRun, Roughness
+from rough_arm import MS, Roughness, RoughRun
 
-from aras_visual_servo.ground.types import Status
-from aras_visual_servo.scenario.scenario import load_scenario
+from aras_visual_servo import load_scenario, Status
 
 #: The issue's bound on the distance to the goal, and one on the angle that moves the image as much: 1 mm at 0.6 m.
 DISTANCE_MM, ANGLE_DEG = 1.0, 0.1

@@ -4,12 +4,10 @@ import numpy as np
 import pytest
 import yaml
 
-from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo.ground.types import Status
+from aras_visual_servo import load_scenario, ParameterError, Status
 from aras_visual_servo_study.live import messages as ask
 from aras_visual_servo_study.live.run import LiveRun
 from aras_visual_servo_study.live.settings import acts_at_once
-from aras_visual_servo.scenario.scenario import load_scenario
 
 WHOLE_NS = 10**12       # to the next image, however far
 SLICE_NS = 16_000_000   # as a page at real time asks for

@@ -5,9 +5,8 @@ import pathlib
 
 import pytest
 
-from aras_visual_servo.config.settings import keys_of
-from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo_study.live.messages import MOST_BYTES, REQUESTS, Set, Speed, parse
+from aras_visual_servo import keys_of, ParameterError
+from aras_visual_servo_study.live.messages import MOST_BYTES, parse, REQUESTS, Set, Speed
 
 DOCS = pathlib.Path(__file__).resolve().parents[5] / "docs" / "live_page.md"
 

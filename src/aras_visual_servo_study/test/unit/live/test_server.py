@@ -10,13 +10,12 @@ import pytest
 from tornado.httpclient import AsyncHTTPClient, HTTPClientError, HTTPRequest
 from tornado.websocket import websocket_connect
 
-from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo_study.live.hub import WINDOW, Hub
+from aras_visual_servo import load_scenario, ParameterError
+from aras_visual_servo_study.live.hub import Hub, WINDOW
 from aras_visual_servo_study.live.messages import Start
 from aras_visual_servo_study.live.run import LiveRun
 from aras_visual_servo_study.live.runner import Runner
-from aras_visual_servo_study.live.server import Server, is_loopback, panels
-from aras_visual_servo.scenario.scenario import load_scenario
+from aras_visual_servo_study.live.server import is_loopback, panels, Server
 
 LIMIT_S = 60.0
 

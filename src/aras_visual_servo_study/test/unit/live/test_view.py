@@ -2,18 +2,16 @@
 
 import io
 
-import numpy as np
 import PIL.Image
+import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from aras_visual_servo.config.files import resolve_uri
-from aras_visual_servo.ground.errors import ModelError
+from aras_visual_servo import load_scenario, ModelError, resolve_uri
 from aras_visual_servo_study.live.hub import jpeg
-from aras_visual_servo_study.live.view.meshes import STEPS, as_block, mesh_block, triangles_of
+from aras_visual_servo_study.live.view.meshes import as_block, mesh_block, STEPS, triangles_of
 from aras_visual_servo_study.live.view.robot import mesh_blocks, robot_of
 from aras_visual_servo_study.live.view.scene import pose_numbers, scene_of
-from aras_visual_servo.scenario.scenario import load_scenario
 
 LINK = "package://aras_description/meshes/visual/link3.stl"
 

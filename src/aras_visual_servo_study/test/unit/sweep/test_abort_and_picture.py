@@ -3,10 +3,8 @@
 import numpy as np
 import pytest
 
-from aras_visual_servo.arm.robot import robot_kinematics
-from aras_visual_servo.ground.errors import ParameterError
+from aras_visual_servo import load_scenario, ParameterError, robot_kinematics
 from aras_visual_servo.spatial import exponential
-from aras_visual_servo.scenario.scenario import load_scenario
 from aras_visual_servo_study.sweep.perturb import put_clutter, read_perturbations, swap_picture
 from aras_visual_servo_study.sweep.plan import Start
 from aras_visual_servo_study.sweep.run import SweepRunner

@@ -2,14 +2,12 @@
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from aras_visual_servo.arm.kinematics import Kinematics
-from aras_visual_servo.config.settings import keys_of
-from aras_visual_servo.ground.errors import ArasError, ParameterError
-from aras_visual_servo.scenario.scenario import load_scenario, scenario_from_dict
-from aras_visual_servo.scenario.sweep import (BALL_AXES, CAMERA_AXES, GOAL_AXES, METHODS, SPACES,
-                                              Perturbations, SweepSection, ViewRanges)
+from aras_visual_servo import (
+    ArasError, BALL_AXES, CAMERA_AXES, GOAL_AXES, keys_of, Kinematics, load_scenario, ParameterError, Perturbations,
+    scenario_from_dict, SweepSection)
+from aras_visual_servo.scenario.sweep import METHODS, SPACES, ViewRanges
 from aras_visual_servo_study.sweep.perturb import perturbed
-from aras_visual_servo_study.sweep.plan import SweepSettings, make_starts
+from aras_visual_servo_study.sweep.plan import make_starts, SweepSettings
 
 SCENARIO = load_scenario("experiment_1")
 KINEMATICS = Kinematics(SCENARIO.urdf_xml(), SCENARIO.robot["base_link"], SCENARIO.robot["tip_link"])

@@ -5,14 +5,12 @@ import math
 import numpy as np
 import pytest
 
-from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo.arm.kinematics import Kinematics
-from aras_visual_servo.arm.reach import REACHED_M, REACHED_RAD, reach
-from aras_visual_servo.spatial import rotation_vector
-from aras_visual_servo.scenario.scenario import load_scenario, scenario_from_dict
-from aras_visual_servo_study.sweep.perturb import Perturbation, perturbed
+from aras_visual_servo import Kinematics, load_scenario, ParameterError, reach, scenario_from_dict
+from aras_visual_servo.arm.reach import REACHED_M, REACHED_RAD
 from aras_visual_servo.scenario.sweep import METHODS
-from aras_visual_servo_study.sweep.plan import SweepSettings, make_starts, sample
+from aras_visual_servo.spatial import rotation_vector
+from aras_visual_servo_study.sweep.perturb import Perturbation, perturbed
+from aras_visual_servo_study.sweep.plan import make_starts, sample, SweepSettings
 from aras_visual_servo_study.sweep.space import pose_of
 
 #: Of rotation matrices and their vectors, angles up to 2 rad: a few rounding errors.

@@ -6,14 +6,11 @@ import math
 import numpy as np
 import pytest
 
-from aras_visual_servo.runs.judge import judge
-from aras_visual_servo.runs.loop import ServoLoop
+from aras_visual_servo import judge, load_scenario, ServoLoop, ServoSettings
 from aras_visual_servo_study.report.report import save_results
-from aras_visual_servo.scenario.scenario import load_scenario
-from aras_visual_servo.servo.settings import ServoSettings
+from aras_visual_servo_study.sweep.judge import trace_hash
 from aras_visual_servo_study.sweep.perturb import perturbed
 from aras_visual_servo_study.sweep.plan import Start
-from aras_visual_servo_study.sweep.judge import trace_hash
 from aras_visual_servo_study.sweep.run import SweepRunner
 from aras_visual_servo_study.sweep.worker import make_setup, run_chunk, scenario_of
 

@@ -4,10 +4,9 @@ import math
 
 import pytest
 
-from aras_visual_servo.ground.errors import ParameterError
+from aras_visual_servo import ParameterError
 from aras_visual_servo_study.compare.sweeps import compare_pair, format_comparison, gate_fires, numbers_of
-from aras_visual_servo_study.sweep.statistics import (aggregate, mcnemar, reasons, signed_rank, success_curve,
-                                                      wilson)
+from aras_visual_servo_study.sweep.statistics import aggregate, mcnemar, reasons, signed_rank, success_curve, wilson
 
 #: Tables give four digits.
 TABLE = 5e-5

@@ -4,16 +4,11 @@ import numpy as np
 import pytest
 from views import exponential, plane_of, tilted_pose
 
-from aras_visual_servo.features import source_named
-from aras_visual_servo.features.base import FeatureSet, View
+from aras_visual_servo import (
+    DegenerateFeature, Features, FeatureSet, load_scenario, Look, Reference, ServoLoop, source_named, Status, View)
 from aras_visual_servo.features.target.solid_points import SolidPoints
-from aras_visual_servo.ground.errors import DegenerateFeature
-from aras_visual_servo.spatial import inverse
-from aras_visual_servo.ground.types import Features, Reference, Status
 from aras_visual_servo.laws.base import LawSetup, make_law
-from aras_visual_servo.laws.look import Look
-from aras_visual_servo.runs.loop import ServoLoop
-from aras_visual_servo.scenario.scenario import load_scenario
+from aras_visual_servo.spatial import inverse
 
 POINTS = np.array([[-0.1, -0.08, 0.0], [0.1, -0.06, 0.12], [0.08, 0.09, 0.05], [-0.07, 0.05, 0.2]])
 POSE = ("tx", "ty", "tz", "rx", "ry", "rz")

@@ -3,9 +3,7 @@
 import numpy as np
 import pytest
 
-from aras_visual_servo.ground.types import Status
-from aras_visual_servo.runs.loop import ServoLoop
-from aras_visual_servo.scenario.scenario import load_scenario
+from aras_visual_servo import load_scenario, ServoLoop, Status
 
 PICTURE = "package://aras_description/targets/photo.png"
 #: A picture on the floor of the scene, and two that stand before it, one of them aslant.

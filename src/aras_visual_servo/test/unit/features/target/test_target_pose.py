@@ -2,17 +2,15 @@
 
 import numpy as np
 import pytest
+from toy_plant import Camera, OUTLINE
 from views import differences, exponential, look_at, plane_of, tilted_pose
-from toy_plant import OUTLINE, Camera
 
+from aras_visual_servo import DegenerateFeature, ParameterError, PlanarTarget, Reference
 from aras_visual_servo.features import interaction
-
 from aras_visual_servo.features.target import target_pose
-from aras_visual_servo.ground.errors import DegenerateFeature, ParameterError
+from aras_visual_servo.features.target.target_pose import measures_of
 from aras_visual_servo.laws.base import LawSetup, make_law
 from aras_visual_servo.spatial import rotation_vector
-from aras_visual_servo.features.target.target_pose import PlanarTarget, measures_of
-from aras_visual_servo.ground.types import Reference
 
 SEEDS = (1, 2, 3, 4)
 POSE = ("tx", "ty", "tz", "rx", "ry", "rz")
