@@ -1,7 +1,7 @@
 """Settings described once, read and checked; any YAML is read or refused."""
 
 import random
-from dataclasses import dataclass, fields, make_dataclass
+from dataclasses import dataclass
 from typing import Dict, Optional, Tuple
 
 import jsonschema
@@ -50,12 +50,6 @@ class Everything:
 GOOD = {"gain_per_s": 2, "boundary": {"pair": 0.1}}
 NAMES = Names(("a", "b"), ("J1", "J2"), expand=lambda names: [n for name in names for n in
                                                               (("a", "b") if name == "pair" else (name,))])
-
-
-def without(cls, *names):
-    """The same class with keys taken out of it."""
-    kept = [entry for entry in fields(cls) if entry.name not in names]
-    return make_dataclass(cls.__name__, [(entry.name, entry.type, entry) for entry in kept], frozen=True)
 
 
 def test_values_come_typed_and_what_is_missing_has_its_default():
@@ -149,17 +143,6 @@ def test_reader_and_schema_take_and_refuse_the_same():
         assert accepted == validator.is_valid(document), (document, faults)
         taken += accepted
     assert 300 < taken < 2700
-
-
-def test_a_key_taken_out_of_its_class_is_lost_to_reader_schema_and_table():
-    smaller = without(Everything, "count")
-    document = {**GOOD, "count": 4}
-    assert read(Everything, document, "here", NAMES).count == 4
-    with pytest.raises(ParameterError, match="here.count: found an unknown key"):
-        read(smaller, document, "here", NAMES)
-    for cls, there in ((Everything, True), (smaller, False)):
-        assert ("count" in schema_of(cls)["properties"]) == there
-        assert any("`count`" in row for row in table_of(schema_of(cls))) == there
 
 
 def test_the_table_says_unit_default_range_and_meaning():

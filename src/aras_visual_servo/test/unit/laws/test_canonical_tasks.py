@@ -68,21 +68,6 @@ def test_points_with_the_current_matrix_retreat_to_infinity_at_half_a_turn():
     np.testing.assert_allclose(path[:, 1, 0], 0.0, atol=ROUNDING)  # and never turn
 
 
-@pytest.mark.parametrize("degrees", [60.0, 120.0, 160.0])
-def test_points_with_the_current_matrix_retreat_the_further_the_larger_the_turn(degrees):
-    """On straight lines in the image the square shrinks to cos(angle / 2) of its size."""
-    path, _ = run("current", turn(degrees), 9.0, DT_S / 4.0)
-    assert arrives(path)
-    furthest = (Z_STAR_M - path[:, 2, 3].min()) / Z_STAR_M
-    assert furthest == pytest.approx(1.0 / np.cos(np.radians(degrees / 2.0)), rel=HELD)
-
-
-def test_points_with_the_matrix_of_the_goal_advance():
-    path, _ = run("desired", turn(60.0))
-    assert arrives(path)
-    assert path[:, 2, 3].max() > 0.05 * Z_STAR_M and path[:, 2, 3].min() > -0.001
-
-
 @pytest.mark.parametrize("kind", ["mean", "pbvs", "hybrid"])
 def test_these_turn_about_the_axis_and_nothing_else(kind):
     path, _ = run(kind, turn(120.0))

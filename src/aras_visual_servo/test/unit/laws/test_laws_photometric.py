@@ -77,12 +77,6 @@ def test_error_is_the_rms_and_the_condition_that_of_the_camera():
     assert FeatureSet().source == "moments"
 
 
-def test_settled_says_that_the_twist_is_small():
-    law = law_of(rest=(0.001, 0.01))
-    for xi, settled in (((0.1, 0, 0, 0, 0, 0), False), ((1e-4, 0, 0, 0, 0, 0), True), ((0, 0, 0, 0.1, 0, 0), False)):
-        assert law.step(look_at(features(xi), DT_S)).settled is settled, xi
-
-
 @pytest.mark.parametrize("row", range(6))
 def test_each_part_of_the_twist_has_to_rest_in_its_own_unit(row):
     twist = np.zeros(6)

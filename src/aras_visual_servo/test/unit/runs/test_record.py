@@ -154,16 +154,6 @@ def test_a_detour_is_longer_than_the_straight_line():
     assert found["border_px"] is None and set(found) == set(MEASURES)
 
 
-def test_of_many_poses_the_least_distance_from_the_border_counts_to_the_last_bit():
-    outline = Outline([[[-0.1, -0.05], [0.12, -0.05], [0.0, 0.08]]], np.eye(4), {**CAMERA, "distortion": [-0.3, 0.1]})
-    poses = np.tile(np.eye(4), (5, 1, 1))
-    for X, angle in zip(poses, np.linspace(-0.3, 0.2, 5)):
-        X[:3, :3], X[:3, 3] = DOWN @ rotation(np.array([angle, 0.1, 0.4])), (0.1 * angle, 0.02, 0.5)
-    assert outline.border_px(poses) == min(outline.border_px(X) for X in poses)
-    poses[3, 2, 3] = -0.5
-    assert outline.border_px(poses) == -np.inf
-
-
 def test_beyond_the_ends_the_distance_is_from_the_end():
     points = np.array([[-3.0, 4.0, 0.0], [5.0, 2.0, 0.0], [12.0, 0.0, 0.0]])
     a, b = np.zeros(3), np.array([10.0, 0.0, 0.0])

@@ -49,10 +49,6 @@ def test_answers_an_image_while_idle_with_an_empty_command(session):
     assert (command.position, command.velocity, record.phase) == ({}, {}, "idle")
 
 
-def test_servos_only_after_a_goal(session):
-    servoing(session)
-
-
 @pytest.mark.parametrize("stamp_ns", [33 * MS, 10 * MS])
 def test_refuses_an_image_that_is_not_newer_than_the_last(session, stamp_ns):
     command, record = servoing(session).answer(stamp_ns, SEEN, Q, 40 * MS, 0.0)

@@ -1,19 +1,15 @@
 """The scenario's schema: sections of three packages, each key described once; any scenario is run or refused."""
 
 import copy
-import os
-import shutil
 from dataclasses import dataclass
 
 import jsonschema
 import pytest
-import yaml
 from hypothesis import given, settings, strategies as st
 
 from aras_visual_servo import (
-    ArasError, Law, load_scenario, package_path, ParameterError, register_law, scenario_from_dict, scenario_schema,
-    setting, yaml_section)
-from aras_visual_servo.config.tables import part_of, table_of
+    ArasError, Law, load_scenario, ParameterError, register_law, scenario_from_dict, scenario_schema, setting,
+    yaml_section)
 from aras_visual_servo.laws import base as laws
 from aras_visual_servo.scenario.check import check
 from aras_visual_servo.scenario.schema import described_sections
@@ -62,42 +58,6 @@ def test_defaults_are_values_that_are_allowed(document):
             if "default" in found and found["default"] not in ({}, "", []):
                 section.setdefault(key, found["default"])
     assert check(document) == []
-
-
-def test_five_faults_in_five_sections_are_all_listed(document):
-    document["robot"]["wheels"] = 4
-    document["sim"]["period_s"] = 0
-    document["vision"]["order"] = 2
-    document["servo"]["inverse"]["damping"] = "some"
-    del document["experiment"]["goal"]
-    assert sorted(".".join(fault.path) for fault in check(document)) == [
-        "experiment.goal", "robot.wheels", "servo.inverse.damping", "sim.period_s", "vision.order"]
-
-
-def test_a_key_taken_out_of_a_yaml_section_is_lost_to_schema_check_and_table(document, tmp_path, monkeypatch):
-    document["sim"]["cameras"][0]["latency_s"] = 0.01
-    assert check(document) == []
-    shutil.copytree(package_path("aras_visual_servo_sim"), tmp_path / "aras_visual_servo_sim",
-                    ignore=lambda folder, names: {name for name in names if name in ("src", "test", "build")})
-    for path in (tmp_path / "aras_visual_servo_sim" / "schema").glob("*.yaml"):
-        content = yaml.safe_load(path.read_text())
-        take_out(content, "latency_s")
-        path.write_text(yaml.safe_dump(content))
-    assert row_of("latency_s")
-    monkeypatch.setenv("ROS_PACKAGE_PATH", f"{tmp_path}{os.pathsep}{os.environ.get('ROS_PACKAGE_PATH', '')}")
-    assert [fault.path for fault in check(document)] == [("sim", "cameras", 0, "latency_s")]
-    assert not row_of("latency_s") and row_of("width")
-
-
-def take_out(node, key):
-    for inner in node.values() if isinstance(node, dict) else node if isinstance(node, list) else ():
-        take_out(inner, key)
-    if isinstance(node, dict):
-        node.get("properties", {}).pop(key, None)
-
-
-def row_of(key):
-    return [row for row in table_of(part_of(described_sections(), "sim.cameras")) if row.startswith(f"| `{key}`")]
 
 
 def test_a_file_named_by_ref_stands_in_its_place_and_what_stands_beside_it_goes_first(tmp_path, monkeypatch):

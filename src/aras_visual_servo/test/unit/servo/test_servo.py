@@ -5,10 +5,7 @@ import pytest
 from bench import Bench, config, DT_S, LAMBDA, resting
 from toy_plant import arm, GOAL, PERIOD_NS, pose_error, START
 
-from aras_visual_servo import (
-    FEATURE_NAMES, Features, Law, Observation, ParameterError, Reference, register_law, Servo, Status)
-
-#: Wanted true accuracy; thresholds of 1 um and 1 urad leave below 2 um.
+from aras_visual_servo import FEATURE_NAMES, Features, Observation, ParameterError, Reference, Servo, Status
 
 
 @pytest.mark.parametrize("law", ["decoupled", "paper"])
@@ -23,16 +20,6 @@ def test_look_then_move_with_the_published_gains_converges_to_the_true_pose():
     bench = Bench(law="paper", mode="look_then_move", gains_per_s=gains, sample_time_s=0.01)
     assert bench.run().status == Status.CONVERGED
     bench.assert_at_goal()
-
-
-def test_published_gains_diverge_as_rates_of_a_30_hz_loop():
-    gains = dict(zip(FEATURE_NAMES, (90.0, 70.0, 50.0, 30.0)))
-    bench = Bench(law="paper", gains_per_s=gains, start={**GOAL, "gantry": 0.0499})
-    for _ in range(10):
-        bench.step()
-    e = np.abs(bench.errors()[:, 1])
-    # 1 - 70 / 30 = -1.33 a period
-    assert e[0] > 9e-5 and e[-1] > 10.0 * e[0]
 
 
 def test_every_feature_error_decays_at_lambda_within_one_percent():
@@ -90,23 +77,6 @@ def test_sag_of_the_joints_leaves_no_pose_error():
     bench.assert_at_goal()
 
 
-def test_wrong_gain_sign_never_converges():
-    @register_law("wrong_sign")
-    class WrongSign(Law):
-        def _twist(self, look, s, e):
-            return -np.array([e[0] + s[1] * e[3], e[1] - s[0] * e[3], e[2], 0.0, 0.0, e[3]])
-
-    try:
-        bench = Bench(law="wrong_sign", time_limit_s=3.0)
-        assert bench.run(60).status != Status.CONVERGED
-        errors = np.abs(bench.errors())
-        assert (errors[-1, :2] > errors[0, :2]).all()
-    finally:
-        from aras_visual_servo.laws import base as laws
-
-        del laws.LAWS["wrong_sign"]
-
-
 def test_joints_stay_inside_their_limits_and_the_status_says_so():
     bench = Bench(start={**GOAL, "gantry": -1.47, "J1": 0.2})
     far = bench.camera.features(bench.arm.pose(bench.goal_q))
@@ -147,57 +117,36 @@ def test_lost_target_stops_the_arm_and_servoing_resumes_when_it_is_back(flag):
     assert record.status == Status.SERVOING and not resting(command)
 
 
-@pytest.mark.parametrize("name", FEATURE_NAMES)
-def test_feature_that_is_not_finite_is_a_fault_that_stays(name):
+@pytest.mark.parametrize("name", [*FEATURE_NAMES, "a joint"])
+def test_input_that_is_not_finite_is_a_fault_that_stays(name):
     bench = Bench()
     bench.step()
     bad = bench.look()
-    setattr(bad.features, name, np.nan)
-    command, record = bench.step(bad)
-    assert resting(command) and record.status == Status.FAULT
-    command, record = bench.step()
-    assert resting(command) and record.status == Status.FAULT
+    if name == "a joint":
+        bad.q[2] = np.inf
+    else:
+        setattr(bad.features, name, np.nan)
+    for observation in (bad, None):
+        command, record = bench.step(observation)
+        assert resting(command) and record.status == Status.FAULT
 
 
-def test_joint_position_that_is_not_finite_is_a_fault():
-    bench = Bench()
-    q = bench.q
-    q[2] = np.inf
-    command, record = bench.step(Observation(0, bench.look().features, q))
-    assert resting(command) and record.status == Status.FAULT
-
-
-def test_stale_stamp_stops_the_arm():
-    bench = Bench()
-    bench.step()
-    old = bench.look()
-    old.stamp_ns = 0
-    command, record = bench.step(old)
-    assert resting(command) and record.status == Status.STALE_INPUT
-    assert bench.step()[1].status == Status.SERVOING
-
-
-def test_gap_between_images_stops_the_arm_once():
-    bench = Bench()
-    bench.step()
+def late_image(bench):
     bench.stamp_ns += 300_000_000
-    command, record = bench.step()
-    assert resting(command) and record.status == Status.STALE_INPUT
-    assert bench.step()[1].status == Status.SERVOING
+    return bench.step()
 
 
-def test_watchdog_stops_the_arm_and_the_next_image_resumes():
+@pytest.mark.parametrize("answer", [
+    lambda bench: bench.step(Observation(0, bench.look().features, bench.q)), late_image,
+    lambda bench: bench.servo.stale(bench.stamp_ns, "no image"),
+    lambda bench: bench.step(Observation(bench.stamp_ns, None, bench.q))],
+    ids=["stale stamp", "gap between images", "watchdog", "no image"])
+def test_stale_input_stops_the_arm_and_the_next_image_resumes(answer):
     bench = Bench()
     bench.step()
-    command, record = bench.servo.stale(bench.stamp_ns, "no image")
+    command, record = answer(bench)
     assert resting(command) and record.status == Status.STALE_INPUT
     assert bench.step()[1].status == Status.SERVOING
-
-
-def test_missing_image_is_stale_input():
-    bench = Bench()
-    command, record = bench.step(Observation(0, None, bench.q))
-    assert resting(command) and record.status == Status.STALE_INPUT
 
 
 def test_time_limit_ends_servoing():
@@ -324,11 +273,6 @@ def test_overrides_hold_for_the_next_start_and_can_be_taken_back():
         servo.configure(thresholds=[1.0, -1.0, 1.0, 1.0])
 
 
-def test_same_observations_give_the_same_bytes():
-    answers = [[command.velocity for command in (bench.run(), bench.commands)[1]] for bench in (Bench(), Bench())]
-    assert answers[0] == answers[1]
-
-
 def test_the_time_limit_counts_from_the_start_and_is_met_at_its_end():
     bench = Bench(time_limit_s=3 * DT_S)
     bench.servo.start(0, bench.set_point)
@@ -358,16 +302,3 @@ def test_errors_of_views_of_the_goal_are_those_to_the_first_of_them():
     assert errors.shape == (1, 4) and not errors.any() and (poses is None or not poses.any())
     errors, _ = bench.servo.goal.errors([view, moved, view])
     assert errors[1].all() and not errors[0].any() and not errors[2].any()
-
-
-@pytest.mark.parametrize("key, empty, allowed", [("law", "", "a text"), ("gains_per_s", {}, "a table of keys"),
-                                                 ("thresholds", {}, "a table of keys")])
-def test_what_must_not_be_empty_is_named(key, empty, allowed):
-    with pytest.raises(ParameterError, match=rf"servo\.{key}: found .*, allowed {allowed}"):
-        Servo(arm(), config(**{key: empty}))
-
-
-def test_the_schema_of_the_section_has_its_keys_and_those_of_laws_and_features():
-    from aras_visual_servo.servo.settings import own_sections, servo_schema
-    described = servo_schema(own_sections())["properties"]
-    assert {"law", "gains_per_s", "lost_target", "sliding", "mpc", "filter"} <= set(described)

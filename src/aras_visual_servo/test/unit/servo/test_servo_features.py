@@ -9,7 +9,6 @@ from aras_visual_servo import DegenerateFeature, expand, ParameterError, plane_f
 from aras_visual_servo.features import base as features
 from aras_visual_servo.laws import base as laws
 from aras_visual_servo.laws.base import LAWS
-from aras_visual_servo.servo.goal import Goal
 
 SIX = ("xn", "yn", "an", "sx", "sy", "alpha")
 ROUNDING = 1e-10  # of a chain of two forward kinematics
@@ -179,8 +178,6 @@ def test_points_in_another_order_are_refused(kind):
 
 
 WIDE = {"half_width": 0.8, "half_height": 0.6}
-#: The object is larger than this view.
-NARROW = {"half_width": 0.05, "half_height": 0.05, "margin": 0.0}
 Q_DOT_ROUNDING = 1e-9
 
 
@@ -202,26 +199,6 @@ def test_the_camera_arrives_within_the_accelerations_of_the_joints(law):
     assert bench.records[-1].status == Status.CONVERGED
     bench.assert_at_goal()
     assert any("held back by joint" in record.status_text for record in bench.records)
-
-
-@pytest.mark.parametrize("law", ["qp", "mpc"])
-def test_an_infeasible_program_is_a_status_with_its_slack_or_a_still_camera(law):
-    command, record = Bench(law=law, **{law: NARROW}).step()
-    assert record.status == Status.JOINT_LIMIT
-    assert "infeasible, slack" in record.status_text and "point 1 at the left border by" in record.status_text
-    command, record = Bench(law=law, **{law: {**NARROW, "slack": False}}).step()
-    assert record.status == Status.JOINT_LIMIT and record.status_text.startswith("standing still")
-    assert resting(command)
-
-
-@pytest.mark.parametrize("law", ["qp", "mpc"])
-@pytest.mark.parametrize("plane", [(0.0, 0.0, -1.0), (0.0, 0.0, np.nan)])
-def test_a_depth_that_is_not_known_is_a_lost_target_and_a_still_camera(law, plane, monkeypatch):
-    bench = Bench(law=law, **{law: WIDE})
-    monkeypatch.setattr(Goal, "plane", lambda goal, X_BC: plane)
-    command, record = bench.step()
-    assert record.status in (Status.TARGET_LOST, Status.FAULT) and resting(command)
-    assert record.status_text
 
 
 @pytest.mark.parametrize("law", ["qp", "mpc"])
