@@ -88,14 +88,6 @@ def test_the_camera_is_where_it_is_on_the_arm(kind):
     assert np.linalg.norm(rotation_vector(error[:3, :3])) < DEVIATIONS * found.stddev_rad
 
 
-def test_a_camera_that_sits_elsewhere_is_noticed():
-    """The check above can fail: poses of another link give another transform."""
-    board, views, pixels, camera = seen("circles")
-    arm = robot_kinematics(views.scenario.urdf_xml(), "world", "link5")
-    found = calibrate_hand_eye([arm.pose(arm.vector(joints)) for joints in views.joints], pixels, board, camera)
-    assert found.residual_px > 100.0 * hand_eye("circles")[0].residual_px
-
-
 @pytest.mark.parametrize("kind", BOARDS)
 def test_depth_and_normal_of_the_plane_are_the_true_ones(kind):
     board, views, pixels, camera = seen(kind)
