@@ -1,7 +1,6 @@
 """Laws side by side on the canonical tasks, and runs side by side on one page."""
 
 import csv
-import math
 import pathlib
 import signal
 import subprocess
@@ -88,12 +87,6 @@ def test_what_is_published_of_half_a_turn():
         assert arrived(row) and verdict(row) == "arrived" and row["farthest_mm"] < ON_THE_SPOT_MM
         assert track.angle_deg[0] > 170.0 and track.angle_deg[-1] < ARRIVED_DEG
     assert not arrived(rows["moments"][0]) and rows["moments"][0]["farthest_mm"] > 10.0 * ON_THE_SPOT_MM
-
-
-def test_half_a_turn_to_the_last_bit_is_half_a_turn(tmp_path):
-    path = write(tmp_path, tasks={"half": {"offset": {"rz_rad": math.pi}}})
-    (_, _, row, track), = run_comparison(load_comparison(path, ["pbvs"]), 0)
-    assert arrived(row) and track.angle_deg[0] == pytest.approx(180.0, abs=0.1) and track.t_s[-1] > 1.0
 
 
 def test_a_joint_the_goal_does_not_name_stays_where_it_starts():

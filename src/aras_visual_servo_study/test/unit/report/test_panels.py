@@ -4,8 +4,6 @@ import dataclasses
 import json
 import math
 import re
-import struct
-import zlib
 
 import numpy as np
 import pytest
@@ -17,11 +15,8 @@ from aras_visual_servo import palette, styles
 from aras_visual_servo.palette import GREEN
 from aras_visual_servo_study.report import plots
 from aras_visual_servo_study.report.figure import draw_panel
-from aras_visual_servo_study.report.page import png_bytes
 from aras_visual_servo_study.report.pictures import image_of
 from aras_visual_servo_study.report.plots import HEIGHT, LEFT, nice_ticks, plots_of, RIGHT, tick_text, WIDTH
-
-NOTHING = make_record(servo_images=1)
 
 
 def panel(record, name, **options):
@@ -231,24 +226,7 @@ def test_a_gap_in_the_errors_is_a_gap_in_the_curve():
     assert plot["data"]["series"][0]["y"][42] is None
 
 
-def test_the_path_ends_at_the_goal_and_stays_within_the_picture():
-    plot = by_name(make_record())["path"]
-    np.testing.assert_allclose(plot["data"]["goal"], X_WCG[:3, 3], rtol=PAGE_RELATIVE)
-    numbers = [float(x) for points in re.findall(r'points="([^"]*)"', plot["svg"]) for x in re.split("[ ,]", points)]
-    assert min(numbers) > 0 and max(numbers[::2]) < plots.WIDTH and max(numbers[1::2]) < plots.HEIGHT
-
-
 def test_a_record_without_servo_images_or_true_poses_has_no_such_plots():
     record = make_record()
     assert plots_of(dataclasses.replace(record, phase=np.full(len(record), "to_goal"))) == []
     assert "path" not in by_name(dataclasses.replace(record, X_WC=np.full_like(record.X_WC, np.nan)))
-
-
-@pytest.mark.parametrize("shape", [(5, 7), (5, 7, 3)])
-def test_a_png_holds_the_pixels_of_the_image(shape):
-    image = np.random.default_rng(0).integers(0, 256, shape, dtype=np.uint8)
-    content = png_bytes(image)
-    assert content[:8] == b"\x89PNG\r\n\x1a\n" and struct.unpack(">II", content[16:24]) == (7, 5)
-    length = struct.unpack(">I", content[33:37])[0]
-    rows = np.frombuffer(zlib.decompress(content[41:41 + length]), np.uint8).reshape(5, -1)
-    assert not rows[:, 0].any() and np.array_equal(rows[:, 1:].reshape(shape), image)
