@@ -64,10 +64,6 @@ def is_simple(outline):
                    for i in range(n) for k in range(i + 2, n) if (k + 1) % n != i)
 
 
-def test_all_targets_are_there():
-    assert sorted(path.stem for path in (PACKAGE / "targets").glob("*.yaml")) == sorted(NAMES + ["photo", "tag"])
-
-
 def test_photo_has_detail_of_every_size():
     """Half the contrast of the whole picture is left in pieces of an eighth of its width, as photographs have it."""
     photo = yaml.safe_load((PACKAGE / "targets" / "photo.yaml").read_text())
@@ -87,19 +83,11 @@ def test_file_has_the_agreed_keys_and_its_own_name(target):
     assert len(target["outlines_m"]) == 1
 
 
-def test_target_is_dark(target):
-    assert len(target["color_rgb"]) == 3 and max(target["color_rgb"]) < 64
-
-
 @pytest.mark.parametrize("name", NAMES)
 def test_outline_is_a_simple_counter_clockwise_polygon(name):
     outline = load_outline(name)
     assert is_simple(outline)
     assert moments(outline)[0, 0] > 0.0
-
-
-def test_crossed_outline_is_recognised_as_not_simple():
-    assert not is_simple(np.array([[0.0, 0.0], [1.0, 1.0], [1.0, 0.0], [0.0, 1.0]]))
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -124,14 +112,10 @@ def test_smooth_targets_have_many_vertices_and_no_corner(name):
     assert np.abs(turn).max() < np.radians(6.0)
 
 
-@pytest.mark.parametrize("name", ["blob", "l_shape"])
-def test_asymmetric_targets_have_third_order_moments(name):
-    assert asymmetry(load_outline(name)) > ASYMMETRIC
-
-
-@pytest.mark.parametrize("name", ["ellipse", "rectangle"])
-def test_symmetric_targets_have_none(name):
-    assert asymmetry(load_outline(name)) < SYMMETRIC
+@pytest.mark.parametrize("name", NAMES)
+def test_asymmetric_targets_have_third_order_moments_and_symmetric_ones_none(name):
+    share = asymmetry(load_outline(name))
+    assert share > ASYMMETRIC if name in ("blob", "l_shape") else share < SYMMETRIC
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -189,10 +173,6 @@ def test_load_puts_the_model_on_the_parameter_server(load):
     assert parameters[NS + "/robot_description"].value == (PACKAGE / "urdf" / "aras_arm.urdf").read_text()
 
 
-def test_load_obeys_its_namespace(load):
-    assert list(load("load.launch", "ns:=left").params) == ["/left/robot_description"]
-
-
 def test_view_starts_positions_transforms_and_rviz(load):
     assert node_names(load("view.launch")) == [
         NS + "/joint_position_publisher", NS + "/robot_state_publisher", NS + "/rviz"]
@@ -205,24 +185,13 @@ def test_view_beside_a_simulator_starts_no_second_source_of_joint_states(load):
 
 
 def test_view_remaps_every_name_of_the_rviz_file_into_its_namespace(load):
-    rviz = next(node for node in load("view.launch", "ns:=left").nodes if node.name == "rviz")
+    config = load("view.launch", "ns:=left")
+    assert "/left/robot_description" in config.params
+    rviz = next(node for node in config.nodes if node.name == "rviz")
     text = (PACKAGE / "rviz" / "view.rviz").read_text()
     named = {word for word in text.split() if word.startswith(NS + "/")}
     assert {source for source, _ in rviz.remap_args} == named
     assert all(target == source[len(NS) + 1:] for source, target in rviz.remap_args)
-
-
-def test_rviz_file_shows_robot_frames_images_markers_and_path():
-    displays = yaml.safe_load((PACKAGE / "rviz" / "view.rviz").read_text())["Visualization Manager"]["Displays"]
-    topics = {display["Class"]: display for display in displays}
-    assert {"rviz/RobotModel", "rviz/TF", "rviz/Image", "rviz/MarkerArray", "rviz/Path"} <= set(topics)
-    assert {display["Image Topic"] for display in displays if display["Class"] == "rviz/Image"} == {
-        NS + "/camera/image_raw", NS + "/camera/overlay", NS + "/null_space_bars", NS + "/goal_view",
-        NS + "/error_plot"}
-    assert topics["rviz/Marker"]["Marker Topic"] == NS + "/camera_frustum"
-    assert topics["rviz/InteractiveMarkers"]["Update Topic"] == NS + "/buttons/update"
-    assert topics["rviz/MarkerArray"]["Marker Topic"] == NS + "/scene_markers"
-    assert topics["rviz/Path"]["Topic"] == NS + "/camera_path"
 
 
 def test_scripts_named_by_launch_files_are_executable(load):
