@@ -215,15 +215,6 @@ def test_tracking_is_the_rms_of_the_second_half():
     assert found["position_mm"] > 0.0 and found["angle_deg"] > 0.0
 
 
-@pytest.mark.parametrize("bad, word", [
-    ({"feed_forward": {"noise_m": 0.0}}, "noise_m"), ({"feed_forward": {"part": 1.5}}, "part"),
-    ({"feed_forward": {"surprise": 1}}, "surprise"), ({"track": "yes"}, "track"),
-    ({"track": True, "mode": "look_then_move"}, "continuous")])
-def test_faults_of_the_section_are_named(bad, word):
-    with pytest.raises(ParameterError, match=word):
-        Servo(arm(), config(**bad))
-
-
 def test_a_reference_without_a_view_is_refused():
     servo = Servo(arm(), config(feed_forward={}))
     with pytest.raises(ParameterError, match="feed_forward"):

@@ -4,10 +4,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from bench import Bench, config, DT_S, resting
-from toy_plant import arm, GOAL, pose_error
+from bench import Bench, DT_S, resting
+from toy_plant import GOAL, pose_error
 
-from aras_visual_servo import FEATURE_NAMES, Observation, ParameterError, Servo, Status
+from aras_visual_servo import FEATURE_NAMES, Observation, Status
 from aras_visual_servo.servo.lost_target import LostTarget, LostTargetSettings, search_places
 
 SPEED = 0.5  # default of lost_target/speed [m/s, rad/s]
@@ -155,15 +155,6 @@ def test_a_target_never_seen_moves_nothing():
     bench = Blinded(between(0.0, 1e9), on_lost="back_off", time_limit_s=1.0)
     assert bench.run().status == Status.TIMED_OUT
     assert all(resting(command) for command in bench.commands)
-
-
-@pytest.mark.parametrize("bad, word", [
-    ({"on_lost": "run"}, "on_lost"), ({"lost_target": {"speed": 0.0}}, "lost_target.speed"),
-    ({"lost_target": {"attempts": 1.5}}, "attempts"), ({"lost_target": {"slow_down": 1.5}}, "slow_down"),
-    ({"lost_target": {"pattern": "spiral"}}, "pattern"), ({"lost_target": {"surprise": 1}}, "surprise")])
-def test_faults_of_the_section_are_named(bad, word):
-    with pytest.raises(ParameterError, match=word):
-        Servo(arm(), config(**bad))
 
 
 @pytest.mark.parametrize("limit_s", [1.0, 3.0])

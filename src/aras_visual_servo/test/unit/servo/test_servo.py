@@ -258,9 +258,20 @@ def test_configuration_lists_every_fault():
     assert len(caught.value.faults) == 9
 
 
-def test_look_then_move_gains_that_would_diverge_are_refused():
-    with pytest.raises(ParameterError, match="diverge"):
-        Servo(arm(), config(mode="look_then_move", gains_per_s=dict.fromkeys(FEATURE_NAMES, 200.0)))
+@pytest.mark.parametrize("bad, word", [
+    ({"mode": "look_then_move", "gains_per_s": dict.fromkeys(FEATURE_NAMES, 200.0)}, "diverge"),
+    ({"on_lost": "run"}, "on_lost"), ({"lost_target": {"speed": 0.0}}, "lost_target.speed"),
+    ({"lost_target": {"attempts": 1.5}}, "attempts"), ({"lost_target": {"slow_down": 1.5}}, "slow_down"),
+    ({"lost_target": {"pattern": "spiral"}}, "pattern"), ({"lost_target": {"surprise": 1}}, "surprise"),
+    ({"feed_forward": {"noise_m": 0.0}}, "noise_m"), ({"feed_forward": {"part": 1.5}}, "part"),
+    ({"feed_forward": {"surprise": 1}}, "surprise"), ({"track": "yes"}, "track"),
+    ({"track": True, "mode": "look_then_move"}, "continuous"),
+    ({"filter": {}, "law": "broyden"}, "filter: found with law 'broyden'"),
+    ({"filter": {}, "mode": "look_then_move", "law": "decoupled"}, "filter: found with mode: look_then_move"),
+    ({"filter": {"outage_s": -1.0}}, "servo.filter.outage_s: found -1.0, .*>= 0")])
+def test_faults_of_the_sections_are_named(bad, word):
+    with pytest.raises(ParameterError, match=word):
+        Servo(arm(), config(**bad))
 
 
 def test_overrides_hold_for_the_next_start_and_can_be_taken_back():
