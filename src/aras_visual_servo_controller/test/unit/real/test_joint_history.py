@@ -43,19 +43,12 @@ def test_a_little_beyond_the_newest_the_line_goes_on():
     assert then.q == pytest.approx(line(108), abs=ROUNDING) and then.extrapolation_s == pytest.approx(0.008)
 
 
-def test_further_beyond_it_waits_and_says_how_far():
-    then = history(80, 100).at(111 * MS)
-    assert then.q is None and then.wait and "0.011 s older than the image, allowed 0.01" in then.refusal
-
-
-def test_joint_states_too_far_apart_are_refused_for_good():
-    then = history(80, 140).at(100 * MS)
-    assert then.q is None and not then.wait and "0.060 s apart, allowed 0.05 s" in then.refusal
-
-
-def test_an_image_older_than_every_joint_state_is_refused_for_good():
-    then = history(80, 100).at(70 * MS)
-    assert then.q is None and not then.wait and "later than the image" in then.refusal
+@pytest.mark.parametrize("stamps, at_ms, waits, reason", [
+    ((80, 100), 111, True, "0.011 s older than the image, allowed 0.01"),
+    ((80, 140), 100, False, "0.060 s apart, allowed 0.05 s"), ((80, 100), 70, False, "later than the image")])
+def test_without_joint_states_beside_it_an_image_waits_or_is_refused_for_good(stamps, at_ms, waits, reason):
+    then = history(*stamps).at(at_ms * MS)
+    assert then.q is None and then.wait == waits and reason in then.refusal
 
 
 @pytest.mark.parametrize("stamps", [(), (100,)])
