@@ -38,6 +38,7 @@ def test_wilson_is_symmetric_and_whole_without_data():
     low, high = wilson(20, 20)
     assert high == 1.0 and low == pytest.approx(1.0 - wilson(0, 20)[1])
     assert wilson(0, 0) == (0.0, 1.0)
+    assert wilson(1, 1) == (pytest.approx(1.0 / (1.0 + 1.959963984540054**2)), 1.0)
 
 
 def test_mcnemar_is_the_binomial_sign_test():
@@ -58,6 +59,8 @@ def test_the_curve_counts_every_run_once():
     curve = success_curve([0.0, 1.0, 2.0, 3.0, 4.0], [1, 1, 1, 0, 0], bins=2)
     assert [(point["count"], point["rate"]) for point in curve] == [(2, 1.0), (3, pytest.approx(1 / 3))]
     assert success_curve([], []) == []
+    curve = success_curve([0.0, 1.0, 10.0], [1, 1, 0], bins=5)
+    assert [(point["low"], point["high"], point["count"]) for point in curve] == [(0.0, 2.0, 2), (8.0, 10.0, 1)]
 
 
 def test_infeasible_starts_do_not_count_against_the_law():
@@ -122,15 +125,6 @@ def test_parts_of_times_and_errors_are_those_of_the_runs_that_succeeded():
     assert (numbers["time_median_s"], numbers["time_p95_s"], numbers["time_max_s"]) == (11.0, 20.0, 21.0)
     assert (numbers["error_median_mm"], numbers["error_max_mm"]) == (pytest.approx(1.1), pytest.approx(2.1))
     assert (numbers["failures"], numbers["success"]) == (1, pytest.approx(21 / 22))
-
-
-def test_one_run_has_an_interval_too():
-    assert wilson(1, 1) == (pytest.approx(1.0 / (1.0 + 1.959963984540054**2)), 1.0)
-
-
-def test_every_bin_of_the_curve_has_its_edges_and_the_last_run_is_in_the_last_bin():
-    curve = success_curve([0.0, 1.0, 10.0], [1, 1, 0], bins=5)
-    assert [(point["low"], point["high"], point["count"]) for point in curve] == [(0.0, 2.0, 2), (8.0, 10.0, 1)]
 
 
 #: Began 200 mm and 30 deg away, the goal 600 mm from the target.
