@@ -26,7 +26,8 @@ def rms_of(record):
 
 @pytest.mark.parametrize("changes", [
     {"interaction": "desired"}, {"interaction": "mean"}, {"mapping": "pca", "levels": 4},
-    {"mapping": "dct", "levels": 4}, {"mapping": "mixture", "levels": 1}], ids=lambda changes: " ".join(map(str, changes.values())))
+    {"mapping": "dct", "levels": 4}, {"mapping": "mixture", "levels": 1}],
+    ids=lambda changes: " ".join(map(str, changes.values())))
 def test_arrives_on_a_picture_alone(run, changes):
     judgement = avs.judge(run("six_dof_photometric", {f"vision.photometric.{key}": changes[key] for key in changes}))
     assert_arrives(judgement)
