@@ -1,6 +1,6 @@
 """The tables of docs/comparison.md: a cell is the final error [mm] or how the run ended, and the detour [mm].
 
-script/gallery makes them again; tests/closed_loop/test_comparison_page.py holds some of their cells.
+script/gallery makes them again; tests/closed_loop/test_figures_of_runs.py holds some of their cells.
 """
 import marked
 

@@ -6,7 +6,6 @@ import time
 
 import pytest
 import yaml
-
 from ros_graph import Graph
 
 HERE = pathlib.Path(__file__).resolve().parent

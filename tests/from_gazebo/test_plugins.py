@@ -2,7 +2,6 @@
 import numpy
 import pytest
 import yaml
-
 from ros_graph import Graph
 
 

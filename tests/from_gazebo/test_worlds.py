@@ -2,7 +2,6 @@
 import subprocess
 
 import pytest
-
 from ros_graph import Graph
 
 WORLD = """<sdf version="1.6"><world name="default">

@@ -1,20 +1,23 @@
-"""docs/tutorial.md as a student types it: every command, every file, every line that the page says is printed."""
+"""Pages, tutorial, gallery and API reference are made and run as they are printed."""
+
 import os
 import pathlib
 import re
 import subprocess
 
+import cv2
 import pytest
+from ros_graph import Graph, LIMIT_S, until
 
 WORKSPACE = pathlib.Path(__file__).resolve().parents[2]
-PAGE = (WORKSPACE / "docs" / "tutorial.md").read_text()
+TUTORIAL = (WORKSPACE / "docs" / "tutorial.md").read_text()
 #: What the page may ask of a student: commands typed and lines written.
 MOST_COMMANDS, MOST_LINES = 12, 40
 MARK = "-- command {} --"
 
 
 def blocks(language):
-    return re.findall(rf"```{language}\n(.*?)```", PAGE, re.DOTALL)
+    return re.findall(rf"```{language}\n(.*?)```", TUTORIAL, re.DOTALL)
 
 
 def steps():
@@ -78,8 +81,8 @@ def test_the_explained_numbers_are_those_of_the_run():
     threshold_mm = 1e3 * scenario.servo["thresholds"]["xn"]
     start_mm, factor, slow_s, fast_s = map(float, re.search(
         r"`xn` is (\d+) mm,.*?factor\s+of (\d+), for which gain 1 takes ln \d+ = ([\d.]+) s and gain 3 takes "
-        r"([\d.]+) s", PAGE, re.DOTALL).groups())
-    assert round(e_mm, -1) == start_mm and f"its threshold is {threshold_mm:g} mm" in PAGE
+        r"([\d.]+) s", TUTORIAL, re.DOTALL).groups())
+    assert round(e_mm, -1) == start_mm and f"its threshold is {threshold_mm:g} mm" in TUTORIAL
     assert factor == start_mm / threshold_mm
     assert (slow_s, fast_s) == (round(math.log(factor), 1), round(math.log(factor) / 3.0, 1))
 
@@ -87,8 +90,93 @@ def test_the_explained_numbers_are_those_of_the_run():
 def test_every_picture_of_the_page_is_there_and_made_by_the_gallery():
     gallery = "".join((WORKSPACE / "script" / "docs" / name).read_text()
                       for name in ("gallery.py", "animation.py"))
-    pictures = re.findall(r"\]\((images/\S+)\)", PAGE)
+    pictures = re.findall(r"\]\((images/\S+)\)", TUTORIAL)
     assert len(pictures) == 2
     for name in pictures:
         assert (WORKSPACE / "docs" / name).stat().st_size > 10_000
         assert pathlib.Path(name).name in gallery or f'"{pathlib.Path(name).stem}"' in gallery
+
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+#: Pictures that `benchmark map` and `benchmark latency` make.
+OTHERS = {"convergence.png", "latency.png"}
+LAWS, TASKS, SHORT = ("points_goal", "pbvs"), ("turn_90",), {"servo.time_limit_s": 0.2}
+
+
+@pytest.fixture
+def small(docs, monkeypatch):
+    """The module of script/gallery, with little to do."""
+    gallery, animation = docs("gallery"), docs("animation")
+    load, load_laws, run_laws = gallery.load_scenario, gallery.load_comparison, gallery.run_comparison
+    for module in (gallery, animation):
+        monkeypatch.setattr(module, "load_scenario", lambda name: load(name, SHORT))
+    monkeypatch.setattr(docs("tutorial"), "load_scenario", lambda name, changes: load(name, {**changes, **SHORT}))
+    monkeypatch.setattr(gallery, "load_comparison",
+                        lambda name, scenario: load_laws(name, LAWS, TASKS, scenario=scenario))
+    monkeypatch.setattr(gallery, "run_comparison", lambda comparison, workers: run_laws(comparison, workers=0))
+    monkeypatch.setattr(gallery, "LAWS", LAWS)
+    monkeypatch.setattr(gallery, "TASKS", TASKS)
+    return gallery
+
+
+def test_every_picture_of_the_pages_and_the_tables_are_made(small, docs, tmp_path):
+    images, page = tmp_path / "docs" / "images", tmp_path / "docs" / "comparison.md"
+    page.parent.mkdir()
+    page.write_text((ROOT / "docs" / "comparison.md").read_text())
+    small.main(images)
+    made = {path.name for path in images.iterdir()}
+    assert made == {path.name for path in (ROOT / "docs" / "images").iterdir()} - OTHERS
+    for path in images.iterdir():
+        assert path.suffix == ".webp" or cv2.imread(str(path)).std() > 5.0, f"{path.name} shows nothing"
+        assert path.read_bytes()[8:12] == b"WEBP" or path.suffix == ".png"
+    for table in docs("comparison").TABLES:
+        assert set(docs("comparison").read(page.read_text(), table)) == {(law, TASKS[0]) for law in LAWS}
+
+
+LOOKED_UP = {"public": ("load_scenario", "register_law", "ServoLoop"),
+             "aras_visual_servo_learning.environment": ("ServoEnv",),
+             "aras_visual_servo.laws.base": ("sampled_gains",), "aras_visual_servo_sim": ("step_to_image",)}
+
+
+def test_it_is_built_without_a_warning_and_has_what_people_look_up(tmp_path):
+    result = subprocess.run([WORKSPACE / "script" / "docs" / "api", tmp_path / "api"], stdout=subprocess.PIPE,
+                            stderr=subprocess.STDOUT, timeout=1500)
+    assert result.returncode == 0, result.stdout.decode()
+    for page, names in LOOKED_UP.items():
+        html = (tmp_path / "api" / "html" / f"{page}.html").read_text()
+        assert all(f'<span class="pre">{name}</span>' in html for name in names), page
+
+
+PAGE = (pathlib.Path(__file__).resolve().parents[2] / "docs" / "ros.md").read_text()
+LINES = [line[2:] for block in re.findall(r"```console\n(.*?)```", PAGE, re.DOTALL) for line in block.splitlines()]
+
+
+@pytest.fixture(scope="module")
+def graph(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("lines")
+    with Graph(folder) as graph:
+        graph.folder = folder
+        graph.start("roscore", "-p", str(graph.port))
+        until(lambda: "/rosout" in graph.topics(), "a master", graph.log)
+        [launch] = re.findall(r"```\n(roslaunch .*)\n```", PAGE)
+        graph.start("bash", "-c", f"cd {folder} && exec {launch}")
+        until(lambda: "/aras_visual_servo/servo_state" in graph.topics() and "/clock" in graph.topics(), "nodes",
+              graph.log)
+        yield graph
+
+
+def test_the_page_has_lines_of_every_kind():
+    assert len(LINES) > 25
+    for kind in ("rostopic pub", "rostopic echo", "rosservice call", "rosparam set"):
+        assert any(kind in line for line in LINES)
+
+
+@pytest.mark.parametrize("line", LINES)
+def test_a_line_works(graph, line):
+    result = subprocess.run(["bash", "-c", line], env=graph.environment, cwd=graph.folder, stdout=subprocess.PIPE,
+                            stderr=subprocess.STDOUT, timeout=2 * LIMIT_S)
+    said = result.stdout.decode()
+    assert result.returncode == 0 and "ERROR" not in said, said
+    assert "success: False" not in said, said
+    assert "success: True" in said or "reconfigure" not in line, said
+    assert said.strip() or not line.startswith("rostopic echo"), "it prints nothing"

@@ -10,7 +10,6 @@ import rospy
 import rosservice
 import rostopic
 import yaml
-
 from ros_graph import LIMIT_S, until
 
 

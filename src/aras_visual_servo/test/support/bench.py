@@ -1,10 +1,9 @@
 """A servo on the true arm with exact pictures and joints that follow at once, step by step."""
 
 import numpy as np
-from toy_plant import GOAL, PERIOD_NS, START, Camera, arm, pose_error
+from toy_plant import arm, Camera, GOAL, PERIOD_NS, pose_error, START
 
-from aras_visual_servo.ground.types import FEATURE_NAMES, Observation
-from aras_visual_servo.servo.servo import Servo
+from aras_visual_servo import FEATURE_NAMES, Observation, Servo
 
 FINAL_POSITION_M, FINAL_ANGLE_RAD = 1e-5, 1e-5
 

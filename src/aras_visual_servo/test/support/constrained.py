@@ -3,15 +3,14 @@
 import numpy as np
 from views import look_at, plane_of, tilted_pose, view
 
+from aras_visual_servo import expand, FeatureSet, Reference
 from aras_visual_servo.arm.limits import joint_bounds
-from aras_visual_servo.features.base import FeatureSet, expand
-from aras_visual_servo.spatial import exponential
-from aras_visual_servo.ground.types import Reference
 from aras_visual_servo.laws.base import LawSetup, make_law
 from aras_visual_servo.laws.constraints import rooms_of
 from aras_visual_servo.laws.look import Arm
 from aras_visual_servo.laws.mpc import MpcSettings
 from aras_visual_servo.laws.qp import QpSettings
+from aras_visual_servo.spatial import exponential
 
 POINTS, MOMENTS = expand(["points5"]), ("xn", "yn", "an", "sx", "sy", "alpha")
 NAMES = ("a", "b", "c", "d", "e", "f")

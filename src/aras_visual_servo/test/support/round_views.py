@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from aras_visual_servo.features.base import View
-from aras_visual_servo.ground.types import Features
+from aras_visual_servo import Features, View
 
 
 def ellipse_of(conic):

@@ -4,8 +4,7 @@ import math
 
 import numpy as np
 
-from aras_visual_servo.runs.record import RecordBuilder
-from aras_visual_servo.ground.types import FEATURE_NAMES, Status
+from aras_visual_servo import FEATURE_NAMES, RecordBuilder, Status
 
 JOINT_NAMES = ("J1", "J2", "gantry")
 IMAGE_PERIOD_NS = 33_333_333

@@ -3,9 +3,8 @@
 import numpy as np
 from toy_plant import Camera
 
+from aras_visual_servo import Look, View
 from aras_visual_servo.features import interaction
-from aras_visual_servo.features import View
-from aras_visual_servo.laws import Look
 
 
 STEP = 3e-6

@@ -1,10 +1,11 @@
-"""Keypoints matched to those of the goal: points and homography against the true ones, counts, bad input."""
+"""Matched keypoints and AprilTags: where they are found, what is refused."""
 
 import functools
 
+import cv2
 import numpy as np
 import pytest
-from textured_plane import LENS, TexturedPlane, camera_info, exponential
+from textured_plane import camera_info, exponential, LENS, TexturedPlane
 
 import aras_visual_servo_camera as camera
 
@@ -134,3 +135,128 @@ def test_faults_of_the_settings_are_listed():
     assert all(part in text for part in ("vision.matches.detector: found surf, allowed", "ratio", "keypoint"))
     with pytest.raises(camera.ParameterError, match="keypoints: found 8, allowed >= min_matches, 12"):
         camera.MatchExtractor(camera_info(), {"keypoints": 8})
+
+
+TAG_SIZE, SIDE_M, FINE = (320, 240), 0.16, 5
+#: An edge along the pixels is drawn to half a ray, 0.1 px; a side is 60 pixels long, so that so is a part of its depth.
+TAG_WITHIN_PX, WITHIN_M, WITHIN_RAD = 0.12, 0.0015, 0.006
+FACING = np.array([[1.0, 0, 0, 0], [0, -1.0, 0, 0], [0, 0, -1.0, 0.5], [0, 0, 0, 1.0]])  # X_CT at the goal
+
+
+def tag_at(X_CT, info, number=0, family="36h11", mirrored=False):
+    """Grey image of a tag, each pixel the mean of FINE x FINE rays."""
+    modules, module_px = 10, 40
+    codes = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, f"DICT_APRILTAG_{family}"))
+    inner = codes.markerSize + 2
+    texture = np.pad(cv2.aruco.drawMarker(codes, number, inner * module_px), module_px, constant_values=230)
+    if mirrored:
+        texture = np.ascontiguousarray(texture[:, ::-1])
+    modules = inner + 2
+    width, height = info["width"], info["height"]
+    fine = (np.arange(FINE) + 0.5) / FINE - 0.5
+    u, v = (np.arange(n)[:, None] + fine for n in (width, height))
+    grid = np.stack(np.meshgrid(u.ravel(), v.ravel()), axis=-1).reshape(-1, 1, 2)
+    to_rounding = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 50, 1e-12)
+    rays = cv2.undistortPointsIter(grid, np.reshape(info["K"], (3, 3)), np.array(info["D"]), np.eye(3), np.eye(3),
+                                   to_rounding).reshape(-1, 2)
+    H = X_CT[:3, [0, 1, 3]]
+    on_tag = np.linalg.solve(H, np.column_stack([rays, np.ones(len(rays))]).T)
+    x, y = on_tag[:2] / on_tag[2]
+    module_m = SIDE_M / inner
+    column = np.floor((x / module_m + 0.5 * modules) * module_px).astype(int)
+    row = np.floor((0.5 * modules - y / module_m) * module_px).astype(int)
+    inside = (column >= 0) & (row >= 0) & (column < texture.shape[1]) & (row < texture.shape[0]) & (on_tag[2] > 0)
+    grey = np.full(len(x), 150.0)
+    grey[inside] = texture[row[inside], column[inside]]
+    return np.rint(grey.reshape(height, FINE, width, FINE).mean(axis=(1, 3))).astype(np.uint8)
+
+
+def corners_of(X_CT):
+    half = 0.5 * SIDE_M
+    points = X_CT @ np.array([[-half, half, 0, 1], [half, half, 0, 1], [half, -half, 0, 1], [-half, -half, 0, 1]]).T
+    return points[:2] / points[2]
+
+
+def rotation_of(q):
+    x, y, z, w = q
+    return np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+                     [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+                     [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
+
+
+@pytest.mark.parametrize("lens", [(0.0,) * 5, LENS], ids=["pinhole", "lens"])
+@pytest.mark.parametrize("twist", [(0.0,) * 6, (0.05, -0.03, 0.04, 0.3, -0.4, 0.5), (0.0, 0.02, 0.0, 0.4, 0.0, 2.5)],
+                         ids=["facing", "tilted", "turned"])
+@pytest.mark.parametrize("family, number", [("36h11", 0), ("25h9", 3)])
+def test_corners_and_pose_are_the_true_ones(family, number, twist, lens):
+    info = camera_info(*TAG_SIZE, lens=lens)
+    X_CT = FACING @ exponential(twist)
+    extractor = camera.TagExtractor(info, {"family": family, "id": number, "size_m": SIDE_M})
+    seen = extractor.process(tag_at(X_CT, info, number, family))
+    assert seen.valid and seen.target_visible and seen.fault == "" and (seen.tags, seen.id) == (1, number)
+    off_px = (np.array([seen.point_x, seen.point_y]) - corners_of(X_CT)) * info["K"][0]
+    assert np.abs(off_px).max() < TAG_WITHIN_PX
+    assert (seen.xg, seen.yg) == pytest.approx(corners_of(X_CT).mean(axis=1), abs=TAG_WITHIN_PX / info["K"][0])
+    np.testing.assert_allclose(seen.position_m, X_CT[:3, 3], atol=WITHIN_M)
+    if not np.allclose(twist, 0.0):  # seen head-on, two poses explain the corners nearly alike
+        off = rotation_of(seen.orientation).T @ X_CT[:3, :3]
+        assert np.arccos(np.clip((np.trace(off) - 1) / 2, -1, 1)) < WITHIN_RAD
+    assert 0.0 <= seen.pose_error <= seen.other_pose_error
+
+
+def test_the_homography_is_that_of_the_displacement_from_the_goal():
+    info = camera_info(*TAG_SIZE)
+    extractor = camera.TagExtractor(info)
+    goal = extractor.process(tag_at(FACING, info), 5)
+    assert goal.valid and goal.homography == [] and goal.position_m == []  # no reference, no size
+    extractor.teach(5, 0.5)
+    X_CCg = exponential((0.03, -0.02, 0.05, 0.05, -0.08, 0.3))
+    seen = extractor.process(tag_at(X_CCg @ FACING, info))
+    H = X_CCg[:3, :3] + np.outer(X_CCg[:3, 3], [0.0, 0.0, 1.0 / 0.5])
+    np.testing.assert_allclose(np.reshape(seen.homography, (3, 3)), H / np.linalg.svd(H)[1][1], atol=0.005)
+    assert (seen.has_reference, seen.z_star_m, seen.reference_stamp_ns) == (True, 0.5, 5)
+
+
+@pytest.mark.parametrize("case, fault", [
+    ("behind", "the image does not show tag 0 of 36h11"), ("half outside", "the image does not show tag 0 of 36h11"),
+    ("far", "tag 0 of 36h11 is too small: a side is"), ("other", "the image does not show tag 0 of 36h11, but 3"),
+    ("twice", "the image shows 2 times tag 0 of 36h11"), ("blank", "the image does not show tag 0 of 36h11")])
+def test_a_view_without_a_usable_tag_is_a_value_that_says_why(case, fault):
+    info = camera_info(*TAG_SIZE)
+    far, outside, right = FACING.copy(), FACING.copy(), FACING.copy()
+    far[2, 3], outside[0, 3], right[0, 3] = 1.0, 0.5 * TAG_SIZE[0] / info["K"][0] * 0.5, 0.11
+    image = {"behind": lambda: tag_at(FACING, info, mirrored=True), "half outside": lambda: tag_at(outside, info),
+             "far": lambda: tag_at(far, info), "other": lambda: tag_at(FACING, info, 3),
+             "blank": lambda: np.full(TAG_SIZE[::-1], 90, np.uint8),
+             "twice": lambda: np.hstack([tag_at(right, info)[:, 160:], tag_at(right, info)[:, 160:]])}[case]()
+    extractor = camera.TagExtractor(info, {"size_m": SIDE_M, "min_side_px": 40})
+    extractor.set_reference(tag_at(FACING, info), 0.5)
+    seen = extractor.process(image)
+    assert fault in seen.fault and not seen.valid and not seen.target_visible and seen.has_reference
+    assert seen.point_x == [] and seen.homography == [] and seen.position_m == [] and np.isnan(seen.xg)
+    with pytest.raises(camera.DegenerateFeature, match="tag reference"):
+        extractor.set_reference(image, 0.5)
+    assert not extractor.process(tag_at(FACING, info)).has_reference
+
+
+def test_a_tag_beyond_the_fold_of_the_lens_is_a_value_that_says_why():
+    image = tag_at(FACING, camera_info(*TAG_SIZE))
+    seen = camera.TagExtractor(camera_info(*TAG_SIZE, lens=(-30.0, 0.0, 0.0, 0.0, 0.0))).process(image)
+    assert (seen.fault, seen.tags) == ("tag 0 of 36h11 lies where the lens shows nothing", 1)
+    assert not seen.valid and not seen.target_visible and seen.point_x == []
+
+
+def test_same_images_give_the_same_bits_and_bad_settings_are_listed():
+    info = camera_info(*TAG_SIZE)
+    image = tag_at(FACING @ exponential((0.0, 0.0, 0.0, 0.3, 0.2, 0.1)), info)
+    one, other = (camera.TagExtractor(info, {"size_m": SIDE_M}).process(image) for _ in range(2))
+    assert (one.point_x, one.position_m, one.orientation) == (other.point_x, other.position_m, other.orientation)
+    with pytest.raises(camera.ParameterError) as caught:
+        camera.TagExtractor(info, {"family": "qr", "size_m": 0, "numbr": 5})
+    assert all(part in str(caught.value) for part in ("vision.tag.family: found qr, allowed", "size_m", "numbr"))
+    with pytest.raises(camera.ShapeError, match="found 100 x 80, allowed 320 x 240"):
+        camera.TagExtractor(info).process(np.zeros((80, 100), np.uint8))
+    with pytest.raises(camera.ParameterError, match="z_star_m: found 0.0"):
+        camera.TagExtractor(info).set_reference(image, 0.0)
+    with pytest.raises(camera.ParameterError, match="reference.stamp"):
+        camera.TagExtractor(info).teach(5, 0.6)

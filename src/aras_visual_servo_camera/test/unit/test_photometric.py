@@ -173,14 +173,6 @@ def test_light_that_changes_is_taken_out(illumination, gain, offset):
     assert features.rms < 0.5 and features.motion_px < 0.02  # rounding of grey levels: 0.29 in each image
 
 
-def test_without_it_a_brighter_image_is_another_one():
-    scene = TexturedPlane(camera_info(), TILTED)
-    photometric = extractor(scene.info)
-    photometric.set_reference(scene.image(), plane=TILTED)
-    brighter = np.clip(scene.grey() + 10.0, 0, 255).astype(np.uint8)
-    assert photometric.process(brighter).rms == pytest.approx(9.5, abs=0.5)
-
-
 def test_same_images_give_the_same_bits():
     scene = TexturedPlane(camera_info(lens=LENS), TILTED)
     runs = []
@@ -278,9 +270,3 @@ def test_every_fault_of_the_settings_is_listed():
         camera.MomentExtractor(camera_info(), {"object": "dark", "segmentation": "otsu", "photometric": {"levels": 0}})
     with pytest.raises(camera.ParameterError, match="levels: found 8"):
         extractor(camera_info(), levels=8)
-
-
-def test_attributes_are_the_fields_of_the_message():
-    messages = pytest.importorskip("aras_visual_servo_msgs.msg")
-    fields = set(messages.PhotometricFeatures.__slots__) - {"header", "age_s"}
-    assert {name for name in dir(camera.PhotometricFeatures) if not name.startswith("_")} == fields

@@ -4,8 +4,7 @@ import numpy as np
 import yaml
 from toy_plant import GOAL
 
-from aras_visual_servo.runs.loop import ServoLoop
-from aras_visual_servo.scenario.scenario import load_scenario
+from aras_visual_servo import load_scenario, ServoLoop
 
 WIDTH, HEIGHT, FOV_RAD = 640, 480, 1.2
 #: The lens of the paper's camera.

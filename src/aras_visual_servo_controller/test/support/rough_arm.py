@@ -10,12 +10,10 @@ from typing import Tuple
 
 import numpy as np
 
+from aras_visual_servo import make_form, RealSettings, ServoLoop, Session
 from aras_visual_servo.spatial import inverse, rotation_vector
 from aras_visual_servo_controller.real.arm_link import ArmLink
-from aras_visual_servo.arm.real import RealSettings, make_form
 from aras_visual_servo_controller.real.prediction import predicted
-from aras_visual_servo.runs.loop import ServoLoop
-from aras_visual_servo.runs.session import Session
 
 MS = 1_000_000
 

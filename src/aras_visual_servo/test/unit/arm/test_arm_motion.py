@@ -4,17 +4,13 @@ import dataclasses
 
 import numpy as np
 import pytest
-from bench import Bench, DT_S, config
-from toy_plant import GOAL, START, arm
+from bench import Bench, config, DT_S
+from toy_plant import arm, GOAL, START
 
+from aras_visual_servo import ParameterError, Servo, ServoSettings, Status, View
 from aras_visual_servo.arm.motion import ArmMotion
-from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo.features.base import View
 from aras_visual_servo.features.interaction import centroid
-from aras_visual_servo.servo.servo import Servo
-from aras_visual_servo.servo.settings import ServoSettings
-from aras_visual_servo.ground.types import Status
-from aras_visual_servo.servo.visibility import VisibilitySettings, keep_in_view
+from aras_visual_servo.servo.visibility import keep_in_view, VisibilitySettings
 
 ACCELERATION = 2.0
 STILL = {"posture_gain_per_s": 0.0, "joint_limit_gain_per_s": 0.0}

@@ -4,19 +4,13 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from aras_visual_servo.arm.free_camera import NAMES, FreeCamera
-from aras_visual_servo.arm.kinematics import Kinematics
+from aras_visual_servo import (
+    ExperimentSettings, Kinematics, load_scenario, ModelError, NotFiniteError, ParameterError, reach, resolve_uri,
+    robot_kinematics, ServoSettings, ShapeError, TwistInverse)
+from aras_visual_servo.arm.free_camera import FreeCamera, NAMES
 from aras_visual_servo.arm.motion import ArmMotion
-from aras_visual_servo.arm.reach import reach
-from aras_visual_servo.arm.redundancy import TwistInverse
-from aras_visual_servo.arm.robot import robot_kinematics
 from aras_visual_servo.arm.trajectory import JointTrajectory
-from aras_visual_servo.config.files import load_yaml, resolve_uri
-from aras_visual_servo.ground.errors import ModelError, NotFiniteError, ParameterError, ShapeError
 from aras_visual_servo.spatial import exponential, inverse, rotation, rotation_vector
-from aras_visual_servo.runs.settings import ExperimentSettings
-from aras_visual_servo.scenario.scenario import load_scenario
-from aras_visual_servo.servo.settings import ServoSettings
 
 URDF = resolve_uri("package://aras_description/urdf/free_camera.urdf").read_text()
 ASKEW = """<robot name="askew"><link name="world"/><link name="body"/><link name="eye"/>
@@ -186,12 +180,6 @@ def test_an_arm_takes_a_camera_pose_too():
 def test_a_place_is_joints_or_camera(place_text, found):
     with pytest.raises(ParameterError, match=f"experiment.goal: found {found} "):
         load_scenario("free_camera").with_overrides({"experiment.goal": place_text})
-
-
-def test_the_controllers_of_the_free_camera_are_none():
-    scenario = load_scenario("free_camera")
-    assert [value["type"] for value in load_yaml(scenario.controllers_path).values()] == \
-        ["joint_state_controller/JointStateController"]
 
 
 def test_a_twist_that_goes_to_and_fro_is_no_singularity_of_a_free_camera():

@@ -1,36 +1,24 @@
-"""Velocity and position limits."""
+"""Limits of joints, and joints that a controller drives to and fro."""
 
 import numpy as np
 import pytest
 
-from aras_visual_servo.arm.limits import (accelerated, braking_factor, joint_bounds, limit_factors,
-                                          position_factor, velocity_factor)
+from aras_visual_servo import accelerated, position_factor, velocity_factor
+from aras_visual_servo.arm.chatter import Chatter
+from aras_visual_servo.arm.limits import braking_factor, joint_bounds, limit_factors
 
 ROUNDING = 1e-15  # of one division
 LOWER, UPPER = np.array([-1.0, -np.inf]), np.array([1.0, np.inf])
 
 
-def test_velocity_within_limits_is_not_scaled():
-    assert velocity_factor(np.array([1.0, -2.0]), np.array([1.0, 2.0])) == 1.0
-
-
-def test_fastest_joint_relative_to_its_limit_sets_the_factor():
-    assert velocity_factor(np.array([3.0, -8.0]), np.array([2.0, 2.0])) == pytest.approx(0.25, abs=ROUNDING)
-
-
-def test_joint_without_velocity_limit_is_not_scaled():
-    assert velocity_factor(np.array([0.0, 1e6]), np.array([1.0, np.inf])) == 1.0
+@pytest.mark.parametrize("q_dot, velocity, factor", [
+    ([1.0, -2.0], [1.0, 2.0], 1.0), ([3.0, -8.0], [2.0, 2.0], 0.25), ([0.0, 1e6], [1.0, np.inf], 1.0)])
+def test_fastest_joint_relative_to_its_limit_sets_the_factor(q_dot, velocity, factor):
+    assert velocity_factor(np.array(q_dot), np.array(velocity)) == pytest.approx(factor, abs=ROUNDING)
 
 
 def test_motion_that_stays_inside_is_not_scaled():
     assert position_factor(np.array([0.9, 5.0]), np.array([0.5, 100.0]), LOWER, UPPER, 0.1) == (1.0, None)
-
-
-@pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_predicted_violation_is_scaled_to_end_at_the_limit(sign):
-    factor, joint = position_factor(sign * np.array([0.9, 0.0]), sign * np.array([2.0, 1.0]), LOWER, UPPER, 0.1)
-    assert joint == 0
-    assert factor == pytest.approx(0.5, abs=1e-14)  # rounding of 1 - 0.9 relative to 0.1
 
 
 @pytest.mark.parametrize("q", [[0.0, 0.0], [0.9, 0.0], [1.2, 0.0]])
@@ -39,22 +27,6 @@ def test_both_factors_come_in_one_call(q, q_dot):
     q, q_dot, velocity = np.array(q), np.array(q_dot), np.array([2.0, 4.0])
     assert limit_factors(q, q_dot, velocity, LOWER, UPPER, 0.1) == (
         velocity_factor(q_dot, velocity), *position_factor(q, q_dot, LOWER, UPPER, 0.1))
-
-
-def test_joint_beyond_its_limit_may_only_move_back():
-    q = np.array([1.2, 0.0])
-    assert position_factor(q, np.array([0.1, 0.0]), LOWER, UPPER, 0.1) == (0.0, 0)
-    assert position_factor(q, np.array([-0.1, 0.0]), LOWER, UPPER, 0.1) == (1.0, None)
-
-
-def test_braking_factor_leaves_the_way_that_braking_takes():
-    dt_s, most = 0.1, np.array([2.0, 2.0])
-    q, q_dot = np.array([0.9, 5.0]), np.array([3.0, 1.0])
-    speed = 3.0 * braking_factor(q, q_dot, LOWER, UPPER, most, dt_s)
-    assert speed * dt_s + speed**2 / (2.0 * 2.0) == pytest.approx(0.1, rel=1e-12)
-    assert braking_factor(q, -0.1 * q_dot, LOWER, UPPER, most, dt_s) == 1.0
-    assert braking_factor(np.array([1.2, 0.0]), q_dot, LOWER, UPPER, most, dt_s) == 0.0
-    assert braking_factor(q, q_dot, LOWER, UPPER, np.full(2, np.inf), dt_s) == 1.0
 
 
 def test_acceleration_from_rest_keeps_the_direction():
@@ -105,6 +77,7 @@ def test_a_joint_brakes_before_either_limit(sign):
     assert speed * dt_s + speed**2 / (2.0 * 2.0) == pytest.approx(0.1, rel=1e-12)
     assert braking_factor(q, -q_dot, lower, upper, most, dt_s) == 1.0
     assert braking_factor(sign * np.array([1.2]), q_dot, lower, upper, most, dt_s) == 0.0
+    assert braking_factor(q, q_dot, lower, upper, np.array([np.inf]), dt_s) == 1.0
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
@@ -152,3 +125,30 @@ def test_bounds_of_joints_without_any_limit_are_infinite():
     low, high, at_stop, short = joint_bounds(np.zeros(2), np.zeros(2), -none, none, none, none, 0.03, 0.1)
     np.testing.assert_array_equal([low, high], [-none, none])
     assert not at_stop.any() and not short.any()
+
+
+LIMIT = np.array([5.0, 5.0, np.inf])
+
+
+def told(velocities):
+    """Names found, image by image, of an arm whose second joint is told these velocities."""
+    chatter = Chatter(("J1", "J2", "J3"), LIMIT)
+    return [chatter.joint(np.array([0.1, velocity, 0.0])) for velocity in velocities]
+
+
+def test_full_speed_both_ways_is_told_after_a_few_images_and_forgotten_after_a_few_more():
+    found = told([4.8, -4.8] * 5 + [1.0] * 10)
+    assert found[2] is None and found[3] == "J2" and found[9] == "J2" and found[-1] is None
+
+
+@pytest.mark.parametrize("velocities", [[0.3, -0.3] * 20, [4.0] * 10 + [-4.0] * 10, ([4.0] * 6 + [-4.0] * 6) * 4])
+def test_slow_trembling_and_turning_round_are_none(velocities):
+    assert set(told(velocities)) == {None}
+
+
+def test_a_joint_that_stood_still_begins_anew():
+    chatter = Chatter(("J2",), LIMIT[:1])
+    for velocity in (4.0, -4.0, 4.0):
+        chatter.joint(np.array([velocity]))
+    chatter.clear()
+    assert chatter.joint(np.array([-4.0])) is None

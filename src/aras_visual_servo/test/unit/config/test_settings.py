@@ -1,17 +1,17 @@
-"""Settings classes: read and checked, put into schema and tables, all from one description of each key."""
+"""Settings described once, read and checked; any YAML is read or refused."""
 
 import random
-from dataclasses import dataclass, fields, make_dataclass
+from dataclasses import dataclass
 from typing import Dict, Optional, Tuple
 
 import jsonschema
 import pytest
+from hypothesis import given, settings, strategies as st
 
-from aras_visual_servo.config.reader import Names, faults_of, read
+from aras_visual_servo import keys_of, load_yaml, Names, ParameterError, read, setting
+from aras_visual_servo.config.reader import faults_of
 from aras_visual_servo.config.schema import schema_of
-from aras_visual_servo.config.settings import keys_of, setting
 from aras_visual_servo.config.tables import table_of
-from aras_visual_servo.ground.errors import ParameterError
 from aras_visual_servo.ground.registry import one_of
 
 
@@ -50,12 +50,6 @@ class Everything:
 GOOD = {"gain_per_s": 2, "boundary": {"pair": 0.1}}
 NAMES = Names(("a", "b"), ("J1", "J2"), expand=lambda names: [n for name in names for n in
                                                               (("a", "b") if name == "pair" else (name,))])
-
-
-def without(cls, *names):
-    """The same class with keys taken out of it."""
-    kept = [entry for entry in fields(cls) if entry.name not in names]
-    return make_dataclass(cls.__name__, [(entry.name, entry.type, entry) for entry in kept], frozen=True)
 
 
 def test_values_come_typed_and_what_is_missing_has_its_default():
@@ -151,17 +145,6 @@ def test_reader_and_schema_take_and_refuse_the_same():
     assert 300 < taken < 2700
 
 
-def test_a_key_taken_out_of_its_class_is_lost_to_reader_schema_and_table():
-    smaller = without(Everything, "count")
-    document = {**GOOD, "count": 4}
-    assert read(Everything, document, "here", NAMES).count == 4
-    with pytest.raises(ParameterError, match="here.count: found an unknown key"):
-        read(smaller, document, "here", NAMES)
-    for cls, there in ((Everything, True), (smaller, False)):
-        assert ("count" in schema_of(cls)["properties"]) == there
-        assert any("`count`" in row for row in table_of(schema_of(cls))) == there
-
-
 def test_the_table_says_unit_default_range_and_meaning():
     rows = table_of(schema_of(Everything))
     assert "| `gain_per_s` | 1/s | required | > 0, <= 10 | A number that has to be there. |" in rows
@@ -188,3 +171,60 @@ def test_a_class_that_does_not_describe_its_keys_is_refused():
     for cls in (NoHelp, NoType, NotFrozen, int):
         with pytest.raises(ParameterError, match=f"settings {cls.__name__}"):
             keys_of(cls)
+
+
+#: Pieces that YAML gives a meaning to.
+PIECES = st.sampled_from([
+    "a", "b: ", "- ", "{", "}", "[", "]", ",", "? ", ": ", "\n", "\n  ", "&x ", "*x", "<<: ", "!!int ", "!!float ",
+    "!!timestamp ", "!!binary ", "!!set ", "!!python/name:os.system ", "2001-99-99", "1e999", "0x", "9" * 5000, ".inf",
+    "~", "'", '"', "|\n", ">\n", "---\n", "%TAG", "# ", "\t", "\ufeff", "12:61"])
+TEXTS = st.one_of(st.lists(PIECES, max_size=30).map("".join), st.text(max_size=200))
+
+
+def load(folder, data):
+    path = folder / "any.yaml"
+    path.write_bytes(data)
+    try:
+        found = load_yaml(path)
+    except ParameterError as error:
+        assert str(path) in str(error)
+        return error
+    assert isinstance(found, dict)
+    return found
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("yaml")
+
+
+@settings(deadline=None, max_examples=1000, derandomize=True)
+@given(TEXTS)
+def test_any_text_is_a_mapping_or_refused_by_the_name_of_its_file(folder, text):
+    load(folder, text.encode("utf-8", "surrogatepass"))
+
+
+@settings(deadline=None, max_examples=300, derandomize=True)
+@given(st.binary(max_size=200))
+def test_any_bytes_are_a_mapping_or_refused_by_the_name_of_their_file(folder, data):
+    load(folder, data)
+
+
+@pytest.mark.parametrize("text", ["a: 2001-99-99", "a: " + "9" * 5000, "a: !!int b", "a: !!float b", "a: !!timestamp b",
+                                  "a: 2001-01-01 00:00:00 +99", "[a]: b", "? {a: b}\n: c", "a: !!set {[b]}"])
+def test_a_value_that_does_not_exist_is_refused_with_its_line(folder, text):
+    error = load(folder, f"first: 1\n{text}\n".encode())
+    assert isinstance(error, ParameterError), f"found {error}"
+    assert str(error).startswith(f"{folder}/any.yaml:2: ")
+
+
+@pytest.mark.parametrize("text", ["a:\n\tb: 1", "a:\n  b: 1\n\tc: 2", "a: 1\n\tb: 2"])
+def test_a_tab_in_the_indentation_is_called_a_tab(folder, text):
+    error = load(folder, text.encode())
+    line = 1 + text[:text.index("\t")].count("\n")
+    assert str(error).startswith(f"{folder}/any.yaml:{line}: ") and "tab" in str(error)
+
+
+def test_other_tabs_and_other_faults_are_not_blamed_on_tabs(folder):
+    assert load(folder, b"a:\tb # \t\n") == {"a": "b"}
+    assert "tab" not in str(load(folder, b"a: [\n"))

@@ -3,13 +3,10 @@
 import numpy as np
 import pytest
 import toy_plant
-from views import ROUNDING, parallel_pose, view
-from views import assert_same, differences, exponential, plane_of, tilted_pose
+from views import assert_same, differences, exponential, parallel_pose, plane_of, ROUNDING, tilted_pose, view
 from visp_values import PLANE, POLYGON, VISP
 
-from aras_visual_servo.ground.errors import DegenerateFeature
-from aras_visual_servo.features.base import FeatureSet, View, known_features
-from aras_visual_servo.ground.types import Features
+from aras_visual_servo import DegenerateFeature, Features, FeatureSet, View
 
 SEEDS = (1, 2, 3, 4)
 ORDERS = {"c1": 2, "c2": 3, "c3": 3, "c4": 3, "c5": 3, "c6": 3, "c7": 4, "c8": 4, "c9": 5, "c10": 5}
@@ -103,8 +100,3 @@ def test_an_isotropic_object_has_no_c1_and_an_empty_one_none():
     empty.m["00"] = 0.0
     with pytest.raises(DegenerateFeature, match="c7: found area 0.0"):
         FeatureSet(["c7"]).values(empty)
-
-
-def test_they_are_known_by_name():
-    assert set(NAMES) <= set(known_features())
-    assert "c11" not in known_features()

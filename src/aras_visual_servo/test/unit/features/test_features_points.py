@@ -1,14 +1,14 @@
-"""Points, segments and the ellipse: rows against central differences at tilted poses, depths, what is not there."""
+"""Points, segments, ellipses, polar points, lines, vanishing points, rays: rows against differences and ViSP's."""
 
 import numpy as np
 import pytest
-from views import assert_same, differences, look_at, plane_of, tilted_pose, view
+from views import assert_same, differences, exponential, look_at, plane_of, tilted_pose, view
+from visp_values import PLANE, POLYGON
 
-from aras_visual_servo.ground.errors import DegenerateFeature, ParameterError
-from aras_visual_servo.features.base import FeatureSet, View, expand, known_features
+from aras_visual_servo import (
+    DegenerateFeature, expand, Features, FeatureSet, known_features, Look, ParameterError, Reference, ServoSettings,
+    View)
 from aras_visual_servo.laws.base import LawSetup, make_law
-from aras_visual_servo.servo.settings import ServoSettings
-from aras_visual_servo.ground.types import Features, Reference
 
 SEEDS = (1, 2, 3, 4)
 POINTS = ("x1", "y1", "x3", "y3", "x5", "y5")
@@ -147,3 +147,106 @@ def test_a_scenario_gives_all_points_one_gain():
         ServoSettings.from_dict({**section, "gains_per_s": {4: 2.0, "points4": 2.0}})
     with pytest.raises(ParameterError, match="gains_per_s.x4: found nothing"):
         ServoSettings.from_dict({**section, "gains_per_s": {"points3": 2.0}})
+
+
+QUADRILATERAL = np.array([[-0.09, -0.05], [0.09, -0.05], [0.09, 0.05], [-0.09, 0.05]])
+POLAR, LINES = ("rho1", "theta1", "rho4", "theta4"), ("lr1", "lt1", "lr3", "lt3", "lr4", "lt4")
+VANISHING, RAYS = ("vx1", "vy1", "vz1", "vx2", "vy2", "vz4"), ("us1", "vs1", "ws1", "us4", "vs4", "ws4")
+#: ViSP 3.5.0 of the first two corners of POLYGON in PLANE: vpFeaturePointPolar (rho, theta) and vpFeatureLine (rho,
+#: theta; its plane has D = -1), by `interaction()` of each, printed to twelve digits.
+VISP = {
+    "rho1": [1.58904452423, 0.529681508078, 0.264840754039, -0.324133460167, 0.972400380502, 0],
+    "theta1": [-3.35, 10.05, 0, -6, -2, -1],
+    "lr1": [-0.283677117419, -1.70206270452, -0.127654702839, 0.991792431118, -0.16529873852, 0],
+    "lt1": [-0.0594594594595, -0.356756756757, -0.0267567567568, 0.0121621621622, 0.072972972973, -1],
+}
+#: Of twelve printed digits.
+PRINTED = 1e-10
+SETS = {"polar": ("rho1", "theta1", "rho2", "theta2", "rho3", "theta3", "rho4", "theta4"),
+        "lines": ("lr1", "lt1", "lr2", "lt2", "lr3", "lt3", "lr4", "lt4"),
+        "rays": tuple(f"{axis}s{number}" for number in (1, 2, 3, 4) for axis in "uvw")}
+
+
+def seen(X):
+    return view(X, QUADRILATERAL, plane_of(X))
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("name", [*POLAR, *LINES, *VANISHING, *RAYS])
+def test_row_of_each_kind_is_the_derivative(name, seed):
+    X, one = tilted_pose(seed), FeatureSet([name])
+    expected = differences(lambda X: one.values(seen(X)), X, lambda a, b: one.error(a, b, False))
+    assert_same(one.matrix(seen(X)), expected)
+
+
+@pytest.mark.parametrize("name", VISP)
+def test_rows_are_those_of_visp(name):
+    (x, y), features = POLYGON[:2].T.tolist(), FeatureSet([name])
+    here = View(Features(point_x=x, point_y=y), PLANE)
+    np.testing.assert_allclose(features.matrix(here)[0], VISP[name], atol=PRINTED)
+
+
+def test_the_row_of_a_vanishing_point_is_that_of_visp():
+    # vpFeatureVanishingPoint at x = 0.7, y = -0.4 gives the rows of x = v_x / v_z and y = v_y / v_z below.
+    x, y = 0.7, -0.4
+    corners = np.array([[0.0, 0.0], [0.2 * x, 0.2 * y], [0.2 * x + 0.08, 0.2 * y + 0.12], [0.1, 0.15]])
+    here = View(Features(point_x=corners[:, 0].tolist(), point_y=corners[:, 1].tolist()), PLANE)
+    vanishing = FeatureSet(["vx1", "vy1", "vz1"])
+    d, L = np.array(vanishing.values(here)), vanishing.matrix(here)
+    np.testing.assert_allclose(d[:2] / d[2], [x, y], atol=PRINTED)
+    rows = [(L[k] - (d[k] / d[2]) * L[2]) / d[2] for k in (0, 1)]
+    np.testing.assert_allclose(rows, [[0, 0, 0, -0.28, -1.49, -0.4], [0, 0, 0, 1.16, 0.28, -0.7]], atol=PRINTED)
+
+
+def test_vanishing_points_are_the_directions_of_the_sides_in_the_camera_also_in_a_parallel_view():
+    parallel = np.diag([1.0, -1.0, -1.0, 1.0]) @ exponential([0, 0, 0, 0, 0, 0.4], 1.0)
+    parallel[:3, 3] = [0.02, -0.03, 0.6]
+    for X in (parallel, *map(tilted_pose, SEEDS)):
+        for number, side in ((1, [1.0, 0.0, 0.0]), (2, [0.0, 1.0, 0.0]), (3, [-1.0, 0.0, 0.0])):
+            found = FeatureSet([f"v{axis}{number}" for axis in "xyz"]).values(seen(X))
+            np.testing.assert_allclose(found, X[:3, :3].T @ side, atol=1e-9)
+
+
+def test_rays_are_unit_vectors_and_turn_rigidly():
+    X = tilted_pose(2)
+    L = FeatureSet(RAYS[:3]).matrix(seen(X))
+    assert np.linalg.norm(FeatureSet(RAYS[:3]).values(seen(X))) == pytest.approx(1.0, abs=ROUNDING)
+    np.testing.assert_allclose(np.linalg.svd(L[:, 3:])[1], [1.0, 1.0, 0.0], atol=ROUNDING)
+
+
+def test_a_line_keeps_its_sign_through_the_image_centre():
+    distances = []
+    for aside in (-0.05, 0.05):
+        here = View(Features(point_x=(-0.1, 0.1), point_y=(aside, aside)))
+        distances.append(FeatureSet(["lr1", "lt1"]).values(here))
+    (below, angle), (above, same) = distances
+    assert below == pytest.approx(-0.05) and above == pytest.approx(0.05)
+    assert angle == same == pytest.approx(0.5 * np.pi)
+
+
+@pytest.mark.parametrize("names, x, y, text", [
+    (["theta1"], (0.0, 1.0), (0.0, 1.0), "at the image centre"),
+    (["lr1"], (0.1, 0.1), (0.2, 0.2), "two followed points coincide"),
+    (["vx1"], (0.1, 0.2, 0.3), (0.1, 0.2, 0.1), "found 3 points in this view, needed 4"),
+    (["vx1"], (0.1, 0.2, 0.3, 0.4), (0.1, 0.2, 0.3, 0.4), "lie on one line"),
+    (["us3"], (0.1, 0.2), (0.1, 0.2), "found 2 points .*at least 3")])
+def test_what_does_not_exist_in_a_view_is_told(names, x, y, text):
+    with pytest.raises(DegenerateFeature, match=text):
+        FeatureSet(names).values(View(Features(point_x=x, point_y=y)))
+
+
+@pytest.mark.parametrize("kind", SETS)
+def test_each_kind_brings_the_camera_to_its_goal(kind):
+    names, goal = SETS[kind], tilted_pose(1)
+    X = goal @ exponential([0.03, -0.02, -0.05, 0.08, -0.06, 0.5], 1.0)
+    law = make_law("ibvs", [2.0] * len(names), LawSetup(names, "mean"))
+    law.reset(Reference(FeatureSet(names).values(seen(goal)), view=seen(goal).features, plane_C=plane_of(goal)))
+    for _ in range(300):
+        X = X @ exponential(law.step(Look(seen(X), 1.0 / 30.0)).twist, 1.0 / 30.0)
+    np.testing.assert_allclose(X, goal, atol=1e-6)  # exp(-2 * 10) of the first error, and slopes below 10
+
+
+def test_two_vanishing_points_see_the_rotation_alone():
+    names = [f"v{axis}{number}" for number in (1, 2) for axis in "xyz"]
+    L = FeatureSet(names).matrix(seen(tilted_pose(1)))
+    assert np.linalg.matrix_rank(L, tol=1e-9) == 3 and not L[:, :3].any()

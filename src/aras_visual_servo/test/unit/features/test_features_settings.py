@@ -5,12 +5,10 @@ from dataclasses import dataclass
 import pytest
 from bench import config
 
+from aras_visual_servo import (
+    Feature, FeatureSet, ParameterError, register_family, register_feature, ServoSettings, setting)
 from aras_visual_servo.features import base
-from aras_visual_servo.features.base import (Feature, FeatureSet, feature_settings, register_family,
-                                             register_feature)
-from aras_visual_servo.config.settings import setting
-from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo.servo.settings import ServoSettings
+from aras_visual_servo.features.base import feature_settings
 
 
 @dataclass(frozen=True)

@@ -5,12 +5,8 @@ import pytest
 import round_views as rounds
 from views import assert_same, differences, exponential, parallel_pose, plane_of, tilted_pose, view
 
-from aras_visual_servo.features import source_named
-from aras_visual_servo.features.base import FeatureSet, View
-from aras_visual_servo.ground.errors import DegenerateFeature
-from aras_visual_servo.ground.types import Features, Reference
+from aras_visual_servo import DegenerateFeature, Features, FeatureSet, Look, Reference, source_named, View
 from aras_visual_servo.laws.base import LawSetup, make_law
-from aras_visual_servo.laws.look import Look
 
 SEEDS = (1, 2, 3, 4)
 QUADRILATERAL = np.array([[-0.09, -0.05], [0.09, -0.05], [0.09, 0.05], [-0.09, 0.05]])

@@ -5,19 +5,15 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from bench import Bench, config
-from toy_plant import GOAL, arm
+from toy_plant import arm, GOAL
 
-from aras_visual_servo_controller.bags.record_groups import group_of
-from aras_visual_servo.config.files import resolve_uri
+from aras_visual_servo import (
+    Feature, Features, FeatureSet, known_sources, load_scenario, Observation, ParameterError, register_feature,
+    register_source, resolve_uri, Servo, Source, source_named, Status, Taught)
 from aras_visual_servo.features import base as features
 from aras_visual_servo.features.sources import base as sources
-from aras_visual_servo.features import (Feature, FeatureSet, Source, Taught, known_sources, register_feature,
-                                        register_source, source_named)
-from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo.ground.types import Features, Observation, Status
 from aras_visual_servo.scenario.check import check
-from aras_visual_servo.scenario.scenario import load_scenario
-from aras_visual_servo.servo.servo import Servo
+from aras_visual_servo_controller.bags.record_groups import group_of
 
 INFO = {"width": 160, "height": 120, "K": [100.0, 0, 79.5, 0, 100.0, 59.5, 0, 0, 1], "D": [0.0] * 5,
         "distortion_model": "plumb_bob"}

@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 from matplotlib.mathtext import MathTextParser
 
-from aras_visual_servo.features import (Feature, base, expand, known_features, register_family,
-                                        register_feature, spread, styles)
-from aras_visual_servo.palette import LEAST_DISTANCE, PALETTE, distance, oklab, rgb, spare
-from aras_visual_servo.features.style import units
+from aras_visual_servo import expand, Feature, known_features, register_family, register_feature, spread, styles, units
+from aras_visual_servo.features import base
+from aras_visual_servo.palette import distance, LEAST_DISTANCE, oklab, PALETTE, rgb, spare
 
 # WCAG 2.1, 1.4.11: of graphics against what is behind them. A colour of 8 bits a channel may miss it by its rounding.
 CONTRAST, ROUNDING = 3.0, 0.03

@@ -12,11 +12,9 @@ import numpy as np
 import pytest
 from views import exponential, look_at, plane_of, tilted_pose, view
 
-from aras_visual_servo.ground.errors import DegenerateFeature
-from aras_visual_servo.features.base import FeatureSet
+from aras_visual_servo import DegenerateFeature, FeatureSet, Reference
 from aras_visual_servo.laws.base import LawSetup, make_law
 from aras_visual_servo.spatial import rotation_vector
-from aras_visual_servo.ground.types import Reference
 
 DT_S = 1.0 / 30.0
 GAIN_PER_S = 2.0
@@ -68,21 +66,6 @@ def test_points_with_the_current_matrix_retreat_to_infinity_at_half_a_turn():
     path, _ = run("current", turn(180.0))
     assert path[-1][2, 3] < -20.0 * Z_STAR_M
     np.testing.assert_allclose(path[:, 1, 0], 0.0, atol=ROUNDING)  # and never turn
-
-
-@pytest.mark.parametrize("degrees", [60.0, 120.0, 160.0])
-def test_points_with_the_current_matrix_retreat_the_further_the_larger_the_turn(degrees):
-    """On straight lines in the image the square shrinks to cos(angle / 2) of its size."""
-    path, _ = run("current", turn(degrees), 9.0, DT_S / 4.0)
-    assert arrives(path)
-    furthest = (Z_STAR_M - path[:, 2, 3].min()) / Z_STAR_M
-    assert furthest == pytest.approx(1.0 / np.cos(np.radians(degrees / 2.0)), rel=HELD)
-
-
-def test_points_with_the_matrix_of_the_goal_advance():
-    path, _ = run("desired", turn(60.0))
-    assert arrives(path)
-    assert path[:, 2, 3].max() > 0.05 * Z_STAR_M and path[:, 2, 3].min() > -0.001
 
 
 @pytest.mark.parametrize("kind", ["mean", "pbvs", "hybrid"])

@@ -8,13 +8,11 @@ from bench import Bench, config
 from toy_plant import arm
 from views import look_at
 
-from aras_visual_servo.ground.errors import DegenerateFeature, NotFiniteError, ParameterError
-from aras_visual_servo.features.base import FeatureSet
+from aras_visual_servo import (
+    DegenerateFeature, FeatureSet, NotFiniteError, Observation, ParameterError, Reference, Servo, Status)
 from aras_visual_servo.laws.base import LawSetup, make_law
 from aras_visual_servo.laws.photometric import PhotometricSettings
 from aras_visual_servo.scenario.check import check
-from aras_visual_servo.servo.servo import Servo
-from aras_visual_servo.ground.types import Observation, Reference, Status
 
 DT_S, GAIN = 1.0 / 30.0, 3.0
 NAMES = ("photometric",)
@@ -77,12 +75,6 @@ def test_error_is_the_rms_and_the_condition_that_of_the_camera():
     assert answer.s == answer.e == (12.5,) and answer.condition == 5.0
     assert FeatureSet(NAMES).source == "photometric" and FeatureSet(NAMES).sees_tilt
     assert FeatureSet().source == "moments"
-
-
-def test_settled_says_that_the_twist_is_small():
-    law = law_of(rest=(0.001, 0.01))
-    for xi, settled in (((0.1, 0, 0, 0, 0, 0), False), ((1e-4, 0, 0, 0, 0, 0), True), ((0, 0, 0, 0.1, 0, 0), False)):
-        assert law.step(look_at(features(xi), DT_S)).settled is settled, xi
 
 
 @pytest.mark.parametrize("row", range(6))

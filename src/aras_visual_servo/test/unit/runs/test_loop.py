@@ -3,14 +3,9 @@
 import numpy as np
 import pytest
 
-from aras_visual_servo.laws import base as laws
-from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo.runs.judge import judge
-from aras_visual_servo.runs.loop import ServoLoop
-from aras_visual_servo.runs.record import RecordBuilder
-from aras_visual_servo_study.sweep.judge import trace_hash
+from aras_visual_servo import judge, load_scenario, ParameterError, RecordBuilder, ServoLoop
 from aras_visual_servo.ground.types import PHASES
-from aras_visual_servo.scenario.scenario import load_scenario
+from aras_visual_servo_study.sweep.judge import trace_hash
 
 
 @pytest.fixture(scope="module")
@@ -32,13 +27,6 @@ def test_has_a_row_for_every_image_from_time_zero(record):
     assert record.stamp_ns[0] == 0
     assert np.all(np.diff(record.stamp_ns) <= 34_000_000)  # 30 Hz on ticks of 1 ms: 33 or 34 ms
     assert np.all(np.diff(record.stamp_ns) >= 33_000_000)
-
-
-def test_a_second_run_gives_the_same_bytes(record):
-    again = ServoLoop(load_scenario("experiment_1")).run()
-    assert again.run_hash == record.run_hash
-    for name in ("stamp_ns", "e", "q", "twist", "X_WC"):
-        np.testing.assert_array_equal(getattr(again, name), getattr(record, name), name)
 
 
 def test_another_seed_of_a_noisy_camera_gives_another_hash(record):
@@ -80,27 +68,6 @@ def test_a_camera_whose_images_are_not_rgb_shows_the_same_colours(encoding):
     assert flat.max() == 0 if encoding == "bgr8" else np.mean(flat > 1) < 0.02  # edges of the object alone differ
     if encoding == "bayer_rggb8":
         assert judge(loop.run()).passed
-
-
-def test_a_law_with_the_wrong_sign_does_not_converge(monkeypatch):
-    def turned(original):
-        class Turned(original):
-            def _twist(self, look, s, e):
-                return -super()._twist(look, s, e)
-        return Turned
-
-    scenario = load_scenario("experiment_1", {"servo.time_limit_s": 3.0})
-    make_law = laws.make_law
-
-    def make_turned(*arguments):
-        law = make_law(*arguments)
-        law.__class__ = turned(law.__class__)
-        return law
-    monkeypatch.setattr("aras_visual_servo.servo.pipeline.make_law", make_turned)
-    record = ServoLoop(scenario).run()
-    judgement = judge(record)
-    assert not judgement.converged
-    assert abs(judgement.final_feature_error["xn"]) > abs(record.e[record.servo_rows[0], 0])
 
 
 def test_gives_up_at_the_limit_of_simulated_time():

@@ -1,12 +1,16 @@
-"""RunRecord: rows, phases, images, missing values."""
+"""Records of a run: built, stored, taught from, measured."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from synthetic import IMAGE_PERIOD_NS, blob, make_record
+from bench import Bench
+from synthetic import blob, IMAGE_PERIOD_NS, make_record
 
-from aras_visual_servo.ground.errors import ShapeError
-from aras_visual_servo.runs.record import RecordBuilder
-from aras_visual_servo.ground.types import Features, ServoRecord, Status
+from aras_visual_servo import Features, measures, MEASURES, Outline, RecordBuilder, ServoRecord, ShapeError, Status
+from aras_visual_servo.runs.measures import distance_from_segment
+from aras_visual_servo.runs.teaching import FEW, Teaching
+from aras_visual_servo.spatial import rotation
 
 
 def builder():
@@ -76,3 +80,98 @@ def test_real_time_factor_is_simulated_over_wall_time():
     record = make_record(servo_images=20)
     # 5 rows before, 20 of servo, 1 done: 25 periods in the 0.2 s make_record claims; rounding only.
     assert record.real_time_factor == pytest.approx(25 * IMAGE_PERIOD_NS * 1e-9 / 0.2, rel=1e-12)
+
+
+NOISE_SEED, STAMP_NS = 3, 7
+STOP = {"position_m": 0.0001, "rotation_rad": 0.0005}
+
+
+def taught(noise_m, most=300, **changes):
+    """(bench, `Teaching` that is done, images that it took) of views whose xn has this noise."""
+    bench = Bench(thresholds=dict.fromkeys(("xn", "yn", "an", "alpha"), 1e-4), stop=STOP, **changes)
+    rng, exact = np.random.default_rng(NOISE_SEED), bench.camera.features(bench.X_WG)
+
+    def image(**fields):
+        return replace(exact, xn=exact.xn + noise_m * rng.normal(), reference_stamp_ns=STAMP_NS, **fields)
+
+    teaching, images = Teaching(bench.servo, STAMP_NS, image(), bench.goal_q, bench.camera.star[0], most), 1
+    while not teaching.done:
+        teaching.add(image(), bench.goal_q)
+        images += 1
+    return bench, teaching, images
+
+
+def test_images_without_noise_need_a_second_one_that_shows_it():
+    bench, teaching, images = taught(0.0)
+    assert images == teaching.reference.images == 2
+    np.testing.assert_allclose(teaching.reference.s_star, bench.servo.reference.s_star, rtol=0.0, atol=1e-12)
+
+
+def test_noise_is_averaged_out_to_a_part_of_the_thresholds():
+    bench, teaching, images = taught(5e-5)
+    assert FEW < images == teaching.reference.images < 60
+    assert abs(teaching.reference.s_star[0] - bench.servo.reference.s_star[0]) < 3.0 * 1e-5
+
+
+@pytest.mark.parametrize("most", [1, 20])
+def test_there_are_at_most_as_many_images_as_allowed(most):
+    assert taught(0.01, most=most)[2] == most
+
+
+def test_a_goal_that_may_move_is_taught_from_one_image():
+    assert taught(0.01, feed_forward={})[2] == 1
+
+
+def test_images_relative_to_another_reference_do_not_count():
+    bench = Bench()
+    exact = bench.camera.features(bench.X_WG)
+    teaching = Teaching(bench.servo, STAMP_NS, exact, bench.goal_q, bench.camera.star[0], 5)
+    for _ in range(4):
+        teaching.add(replace(exact, xn=1.0, reference_stamp_ns=STAMP_NS - 1), bench.goal_q)
+    assert teaching.done and teaching.reference.images == 1
+    np.testing.assert_allclose(teaching.reference.s_star, bench.servo.reference.s_star)
+
+
+CAMERA = {"width": 320, "height": 240, "fx_px": 200.0}
+DOWN = rotation(np.array([np.pi, 0.0, 0.0]))  # x stays, the camera looks along -z
+
+
+def record_of(positions, q=((0.0, 0.5),)):
+    builder = RecordBuilder("made_up", ("a", "b"))
+    for i, p in enumerate([positions[-1], *positions]):
+        X = np.eye(4)
+        X[:3, :3], X[:3, 3] = DOWN, p
+        phase, status = ("teach", Status.IDLE) if i == 0 else ("servo", Status.SERVOING)
+        builder.add_row(i * 10**8, phase, status, q=q[min(i, len(q) - 1)], X_WC=X)
+    return builder.finish()
+
+
+def test_a_detour_is_longer_than_the_straight_line():
+    path = [(0.0, 0.0, 0.5), (0.03, 0.04, 0.5), (0.1, 0.0, 0.5)]
+    found = measures(record_of(path), [-1.0, -1.0], [1.0, 1.0])
+    assert found["path_mm"] == pytest.approx(50.0 + np.hypot(70.0, 40.0))
+    assert found["detour_mm"] == pytest.approx(40.0) and found["farthest_mm"] == pytest.approx(100.0)
+    assert found["border_px"] is None and set(found) == set(MEASURES)
+
+
+def test_beyond_the_ends_the_distance_is_from_the_end():
+    points = np.array([[-3.0, 4.0, 0.0], [5.0, 2.0, 0.0], [12.0, 0.0, 0.0]])
+    a, b = np.zeros(3), np.array([10.0, 0.0, 0.0])
+    np.testing.assert_allclose(distance_from_segment(points, a, b), [5.0, 2.0, 2.0])
+    np.testing.assert_allclose(distance_from_segment(points, a, a), [5.0, np.hypot(5.0, 2.0), 12.0])
+
+
+def test_the_joint_nearest_to_a_limit_counts_free_ones_do_not():
+    record = record_of([(0.0, 0.0, 0.5)] * 3, q=[(0.0, 0.0), (7.0, 0.5), (9.0, -1.7)])
+    assert measures(record, [-np.inf, -2.0], [np.inf, 1.0])["joint_room"] == pytest.approx(0.3 / 1.5)
+    assert measures(record, [-np.inf] * 2, [np.inf] * 2)["joint_room"] is None
+
+
+def test_the_least_distance_of_the_target_from_the_border():
+    square = [[[-0.05, -0.05], [0.05, -0.05], [0.05, 0.05], [-0.05, 0.05]]]
+    outline = Outline(square, np.eye(4), CAMERA)
+    found = measures(record_of([(0.0, 0.0, 0.5), (0.2, 0.0, 0.5), (0.1, 0.0, 0.5)]), [-1.0] * 2, [1.0] * 2, outline)
+    # At x = 0.2 the left edge is 0.25 m aside at 0.5 m: 100 px left of the middle, 60 px from the border at -1/2.
+    assert found["border_px"] == pytest.approx(60.0)
+    cut = measures(record_of([(0.4, 0.0, 0.5)] * 2), [-1.0] * 2, [1.0] * 2, outline)
+    assert cut["border_px"] == pytest.approx(160.0 - 0.45 / 0.5 * 200.0)

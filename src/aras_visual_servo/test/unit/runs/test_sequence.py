@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-from toy_plant import GOAL, PERIOD_NS, START, Camera, arm, pose_error
+from hypothesis import given, settings, strategies as st
+from toy_plant import arm, Camera, GOAL, PERIOD_NS, pose_error, START
 
-from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo.runs.sequence import ExperimentSequence
-from aras_visual_servo.servo.servo import Servo
-from aras_visual_servo.ground.types import FEATURE_NAMES, PHASES, Observation, Status
+from aras_visual_servo import ExperimentSequence, FEATURE_NAMES, Observation, ParameterError, Servo, StampPairer, Status
+from aras_visual_servo.ground.types import PHASES
 
 FINAL_POSITION_M = 1e-5  # wanted; thresholds of 1 um leave below 2 um
 EXPERIMENT = {"goal": {"joints": GOAL}, "start": {"joints": START}, "z_star_m": 0.5934, "settle_s": 0.5,
@@ -250,3 +249,29 @@ def test_configuration_lists_every_fault():
     text = str(caught.value)
     for part in ("gantry: found 9.0", "J9: found", "z_star_m: found 0.0", "hurry: found", "pose: found"):
         assert part in text
+
+
+CAPACITY = 5
+STAMPS = st.integers(0, 12) | st.integers(-2**63, 2**63)
+
+
+@settings(deadline=None, max_examples=1000, derandomize=True)
+@given(st.lists(st.tuples(st.booleans(), STAMPS), max_size=60))
+def test_each_features_message_is_handed_out_once_with_the_joints_of_its_stamp(messages):
+    pairer, handed = StampPairer(CAPACITY), []
+    for n, (is_features, stamp_ns) in enumerate(messages):
+        add, what = (pairer.add_features, n) if is_features else (pairer.add_joints, ("joints of", stamp_ns))
+        pairs = add(stamp_ns, what)
+        for stamp, features, joints in pairs:
+            handed.append(features)
+            assert messages[features] == (True, stamp) and joints in (None, ("joints of", stamp))
+    assert handed == sorted(set(handed)), "each once, in the order in which they came"
+    if not pairer.restarts:
+        given_ = [n for n, (is_features, _) in enumerate(messages) if is_features]
+        assert handed == given_[:len(handed)] and len(given_) - len(handed) <= CAPACITY
+
+
+def test_features_that_no_joint_state_answers_do_not_pile_up():
+    pairer = StampPairer(CAPACITY)
+    pairs = [pair for k in range(1000) for pair in pairer.add_features(k, "seen")]
+    assert pairs == [(k, "seen", None) for k in range(1000 - CAPACITY)]

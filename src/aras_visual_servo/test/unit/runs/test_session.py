@@ -4,13 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from toy_plant import GOAL, arm
+from toy_plant import arm, GOAL
 
-from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo.runs.sequence import ExperimentSequence
-from aras_visual_servo.servo.servo import Servo
-from aras_visual_servo.runs.session import STANDSTILL_S, Session
-from aras_visual_servo.ground.types import FEATURE_NAMES, Features, Reference, Status
+from aras_visual_servo import (
+    ExperimentSequence, FEATURE_NAMES, Features, ParameterError, Reference, Servo, Session, Status)
+from aras_visual_servo.runs.session import STANDSTILL_S
 
 MS = 1_000_000
 ASKED = []  # (stamp_ns, z_star_m) that the camera was asked to teach
@@ -49,10 +47,6 @@ def still(command):
 def test_answers_an_image_while_idle_with_an_empty_command(session):
     command, record = session.answer(0, SEEN, Q, 0, 0.0)
     assert (command.position, command.velocity, record.phase) == ({}, {}, "idle")
-
-
-def test_servos_only_after_a_goal(session):
-    servoing(session)
 
 
 @pytest.mark.parametrize("stamp_ns", [33 * MS, 10 * MS])

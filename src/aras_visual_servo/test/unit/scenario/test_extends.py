@@ -5,12 +5,10 @@ import re
 import pytest
 import yaml
 
-from aras_visual_servo.ground.errors import ParameterError
+from aras_visual_servo import load_scenario, ParameterError, scenario_names, scenario_schema
 from aras_visual_servo.scenario.extends import merge
-from aras_visual_servo.config.files import find_scenario, scenario_names
-from aras_visual_servo.scenario.scenario import load_scenario
+from aras_visual_servo.config.files import find_scenario
 from aras_visual_servo.scenario.starter import SECTIONS, starter
-from aras_visual_servo.scenario.schema import scenario_schema
 
 BASE = load_scenario("experiment_1").as_dict()
 

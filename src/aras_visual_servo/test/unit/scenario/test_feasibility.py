@@ -5,17 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from aras_visual_servo import (
+    Feasibility, Kinematics, load_scenario, Outline, ParameterError, reach, scenario_names, ServoLoop)
 from aras_visual_servo.cli import EXIT_PARAMETERS
 from aras_visual_servo.cli.main import main
-from aras_visual_servo.scenario.feasibility import Feasibility, check_feasible
-from aras_visual_servo.arm.kinematics import Kinematics
-from aras_visual_servo.runs.loop import ServoLoop
-from aras_visual_servo.features.target.outline import Outline
-from aras_visual_servo.arm.reach import reach
-from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo.spatial import rotation
-from aras_visual_servo.scenario.scenario import load_scenario, scenario_from_dict
-from aras_visual_servo.config.files import scenario_names
+from aras_visual_servo.scenario.feasibility import check_feasible
 
 GOAL = {"gantry": 0.0, "J1": 0.0, "J2": -0.5836, "J3": 1.6208, "J5": -1.0372, "J6": 0.0}
 #: The image's own outline is found on whole pixels: half a pixel each side, and what settling moves the camera by.
@@ -110,29 +104,6 @@ def test_the_outline_is_where_the_camera_sees_it(scenario):
         assert outline.border_px(loop.sim.camera_pose("camera")) == pytest.approx(border + 0.5, abs=PIXEL_PX)
         compared += 1
     assert compared == 2
-
-
-def test_a_lens_bends_the_outline_as_plumb_bob_does(scenario):
-    camera = dict(scenario.sim["cameras"][0], distortion=[-0.3, 0.1, 0.002, -0.001, 0.01])
-    outline = Outline([[[0.2, 0.1], [0.3, 0.1], [0.3, 0.15]]], np.eye(4), camera)
-    X_WC = np.eye(4)
-    X_WC[:3, :3], X_WC[2, 3] = rotation(np.array([np.pi, 0.0, 0.0])), 0.5
-    x, y = 0.4, -0.2  # the first corner, seen from above: (0.2, -0.1) / 0.5
-    r2 = x * x + y * y
-    radial = 1.0 - 0.3 * r2 + 0.1 * r2 ** 2 + 0.01 * r2 ** 3
-    f = 160.0 / np.tan(0.705)
-    expected = (f * (x * radial + 2 * 0.002 * x * y - 0.001 * (r2 + 2 * x * x)) + 159.5,
-                f * (y * radial + 0.002 * (r2 + 2 * y * y) - 2 * 0.001 * x * y) + 119.5)
-    np.testing.assert_allclose(outline.pixels(X_WC)[0], expected, atol=1e-9)
-
-
-def test_what_cannot_be_foretold_is_left_to_the_image(scenario):
-    document = scenario.as_dict()
-    document["sim"]["scene"]["models"] = []
-    assert Outline.of(scenario_from_dict(document, base=scenario._base)) is None
-    document = scenario.as_dict()
-    document["sim"]["cameras"][0]["distortion_model"] = "equidistant"
-    assert Outline.of(scenario_from_dict(document, base=scenario._base)) is None
 
 
 def test_a_posture_reached_is_where_it_was_asked_for(kinematics):

@@ -1,23 +1,18 @@
-"""The scenario's schema: put together from the sections of three packages, each key described once."""
+"""The scenario's schema: sections of three packages, each key described once; any scenario is run or refused."""
 
-import os
-import shutil
+import copy
 from dataclasses import dataclass
 
 import jsonschema
 import pytest
-import yaml
+from hypothesis import given, settings, strategies as st
 
-from aras_visual_servo.config.files import package_path
-from aras_visual_servo.config.schema import yaml_section
-from aras_visual_servo.config.settings import setting
-from aras_visual_servo.config.tables import part_of, table_of
-from aras_visual_servo.ground.errors import ParameterError
+from aras_visual_servo import (
+    ArasError, Law, load_scenario, ParameterError, register_law, scenario_from_dict, scenario_schema, setting,
+    yaml_section)
 from aras_visual_servo.laws import base as laws
-from aras_visual_servo.laws.base import Law, register_law
 from aras_visual_servo.scenario.check import check
-from aras_visual_servo.scenario.scenario import load_scenario
-from aras_visual_servo.scenario.schema import described_sections, scenario_schema
+from aras_visual_servo.scenario.schema import described_sections
 
 DESCRIBED = ("robot", "sim", "time", "vision", "servo", "experiment", "sweep")
 #: Endings of names and the unit they stand for; the longer ones first.
@@ -65,42 +60,6 @@ def test_defaults_are_values_that_are_allowed(document):
     assert check(document) == []
 
 
-def test_five_faults_in_five_sections_are_all_listed(document):
-    document["robot"]["wheels"] = 4
-    document["sim"]["period_s"] = 0
-    document["vision"]["order"] = 2
-    document["servo"]["inverse"]["damping"] = "some"
-    del document["experiment"]["goal"]
-    assert sorted(".".join(fault.path) for fault in check(document)) == [
-        "experiment.goal", "robot.wheels", "servo.inverse.damping", "sim.period_s", "vision.order"]
-
-
-def test_a_key_taken_out_of_a_yaml_section_is_lost_to_schema_check_and_table(document, tmp_path, monkeypatch):
-    document["sim"]["cameras"][0]["latency_s"] = 0.01
-    assert check(document) == []
-    shutil.copytree(package_path("aras_visual_servo_sim"), tmp_path / "aras_visual_servo_sim",
-                    ignore=lambda folder, names: {name for name in names if name in ("src", "test", "build")})
-    for path in (tmp_path / "aras_visual_servo_sim" / "schema").glob("*.yaml"):
-        content = yaml.safe_load(path.read_text())
-        take_out(content, "latency_s")
-        path.write_text(yaml.safe_dump(content))
-    assert row_of("latency_s")
-    monkeypatch.setenv("ROS_PACKAGE_PATH", f"{tmp_path}{os.pathsep}{os.environ.get('ROS_PACKAGE_PATH', '')}")
-    assert [fault.path for fault in check(document)] == [("sim", "cameras", 0, "latency_s")]
-    assert not row_of("latency_s") and row_of("width")
-
-
-def take_out(node, key):
-    for inner in node.values() if isinstance(node, dict) else node if isinstance(node, list) else ():
-        take_out(inner, key)
-    if isinstance(node, dict):
-        node.get("properties", {}).pop(key, None)
-
-
-def row_of(key):
-    return [row for row in table_of(part_of(described_sections(), "sim.cameras")) if row.startswith(f"| `{key}`")]
-
-
 def test_a_file_named_by_ref_stands_in_its_place_and_what_stands_beside_it_goes_first(tmp_path, monkeypatch):
     folder = tmp_path / "some_package"
     (folder / "schema").mkdir(parents=True)
@@ -127,3 +86,56 @@ def test_a_law_whose_section_is_a_key_of_the_servo_is_refused(document):
     finally:
         laws.LAWS.pop("limits")
     assert check(document) == []
+
+
+SHIPPED = {name: load_scenario(name) for name in ("experiment_1", "six_dof_rectangle")}
+ODD = st.sampled_from([
+    None, True, "", "xn", "..", "a/b", "package://nobody/x", 0, -1, 10**400, 2**63, 1e308, -1e308, 5e-324, float("inf"),
+    float("nan"), [], {}, [[]], {"": 1}, {1: 2}, {None: 0}, [{}], "9" * 300])
+VALUES = st.recursive(ODD | st.integers() | st.floats() | st.text(max_size=5),
+                      lambda inner: st.lists(inner, max_size=4)
+                      | st.dictionaries(st.text(max_size=5), inner, max_size=3), max_leaves=6)
+
+
+def places(node, way=()):
+    """Ways to everything in a document."""
+    for key, value in node.items() if isinstance(node, dict) else enumerate(node):
+        yield (*way, key)
+        if isinstance(value, (dict, list)):
+            yield from places(value, (*way, key))
+
+
+def changed(document, way, value):
+    *parents, last = way
+    node = document
+    for key in parents:
+        node = node[key]
+    node[last] = value
+
+
+def outcome(document, base):
+    try:
+        scenario_from_dict(document, base=base)
+    except ArasError as error:
+        assert str(error)
+
+
+@settings(deadline=None, max_examples=200, derandomize=True)
+@given(st.data())
+def test_any_value_anywhere_is_accepted_or_refused(data):
+    scenario = SHIPPED[data.draw(st.sampled_from(sorted(SHIPPED)))]
+    document = copy.deepcopy(scenario.as_dict())
+    changed(document, data.draw(st.sampled_from(list(places(document)))), data.draw(VALUES))
+    outcome(document, scenario.path.parent)
+
+
+@settings(deadline=None, max_examples=100, derandomize=True)
+@given(st.data())
+def test_any_override_is_accepted_or_refused(data):
+    scenario = SHIPPED["experiment_1"]
+    ways = [way for way in places(scenario.as_dict()) if all(isinstance(key, str) for key in way)]
+    way = data.draw(st.sampled_from(ways))
+    try:
+        scenario.with_overrides({".".join(way): data.draw(VALUES)})
+    except ArasError as error:
+        assert str(error)

@@ -4,17 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from bench import Bench, config, resting
-from test_feed_forward import MovingBench, evenly
-from toy_plant import PERIOD_NS, arm
+from bench import Bench, resting
+from test_feed_forward import evenly, MovingBench
+from toy_plant import PERIOD_NS
 from views import assert_same, differences, plane_of, tilted_pose, view
 
-from aras_visual_servo.features.base import FeatureSet, expand
-from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo.spatial import exponential, rotation, rotation_vector
-from aras_visual_servo.ground.types import Features, Status
+from aras_visual_servo import expand, Features, FeatureSet, Status
 from aras_visual_servo.servo.feature_filter import FeatureFilter, FilterSettings, matrix_of_pose
-from aras_visual_servo.servo.settings import ServoSettings
+from aras_visual_servo.spatial import exponential, rotation, rotation_vector
 
 #: The features move along curves between two looks: of a motion of 0.05 m and 0.1 rad in all, a fiftieth.
 CURVED = 0.02
@@ -168,12 +165,3 @@ def test_the_matrix_of_the_pose_is_its_derivative(angle):
     pose = np.eye(4)
     pose[:3, :3], pose[:3, 3] = rotation(s[3:]), s[:3]
     assert_same(matrix_of_pose(s), differences(lambda X: np.concatenate([X[:3, 3], rotation_vector(X[:3, :3])]), pose))
-
-
-@pytest.mark.parametrize("changes, text", [
-    ({"law": "broyden"}, "filter: found with law 'broyden'"),
-    ({"mode": "look_then_move", "law": "decoupled"}, "filter: found with mode: look_then_move"),
-    ({"filter": {"outage_s": -1.0}}, "servo.filter.outage_s: found -1.0, .*>= 0")])
-def test_what_cannot_be_filtered_is_refused(changes, text):
-    with pytest.raises(ParameterError, match=text):
-        ServoSettings.from_dict({**config(filter={}), **changes}, arm().joint_names)

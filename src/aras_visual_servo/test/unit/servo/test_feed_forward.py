@@ -2,19 +2,15 @@
 
 import numpy as np
 import pytest
+from bench import Bench, config, DT_S, resting
 from synthetic import make_record
-from bench import Bench, DT_S, config, resting
-from toy_plant import GOAL, PERIOD_NS, Camera, arm
+from toy_plant import arm, Camera, GOAL, PERIOD_NS
 
-from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo.runs.judge import goal_pose, judge, pose_error, tracking
-from aras_visual_servo.features.base import FeatureSet, View
-from aras_visual_servo.servo.feed_forward import (
-    POSE_FEATURES, ConstantVelocity, FeedForwardSettings, TargetMotion)
-from aras_visual_servo.features.interaction import plane_from_pose
-from aras_visual_servo.servo.servo import Servo
+from aras_visual_servo import (
+    FEATURE_NAMES, Features, FeatureSet, goal_pose, judge, Observation, ParameterError, plane_from_pose, pose_error,
+    Reference, Servo, Status, tracking, View)
+from aras_visual_servo.servo.feed_forward import ConstantVelocity, FeedForwardSettings, POSE_FEATURES, TargetMotion
 from aras_visual_servo.spatial import exponential
-from aras_visual_servo.ground.types import FEATURE_NAMES, Features, Observation, Reference, Status
 
 BENT = {"gantry": 0.0, "J1": 0.0, "J2": -0.5, "J3": 0.9, "J5": -0.4, "J6": 0.0}
 LAMBDA = 3.0
@@ -216,15 +212,6 @@ def test_tracking_is_the_rms_of_the_second_half():
     rows = record.servo_rows[len(record.servo_rows) // 2:-1]
     assert found["e"]["xn"] == pytest.approx(np.sqrt(np.mean(record.e[rows, 0]**2)), rel=1e-12)
     assert found["position_mm"] > 0.0 and found["angle_deg"] > 0.0
-
-
-@pytest.mark.parametrize("bad, word", [
-    ({"feed_forward": {"noise_m": 0.0}}, "noise_m"), ({"feed_forward": {"part": 1.5}}, "part"),
-    ({"feed_forward": {"surprise": 1}}, "surprise"), ({"track": "yes"}, "track"),
-    ({"track": True, "mode": "look_then_move"}, "continuous")])
-def test_faults_of_the_section_are_named(bad, word):
-    with pytest.raises(ParameterError, match=word):
-        Servo(arm(), config(**bad))
 
 
 def test_a_reference_without_a_view_is_refused():

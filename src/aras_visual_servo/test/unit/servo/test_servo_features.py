@@ -1,17 +1,14 @@
-"""The servo with features and laws of the scenario's choice: the plane by kinematics, statuses, bad input."""
+"""The servo with chosen features and laws, on moments, points and within constraints."""
 
 import numpy as np
 import pytest
-from bench import Bench, config
-from toy_plant import arm
+from bench import Bench, config, resting
+from toy_plant import arm, pose_error
 
+from aras_visual_servo import DegenerateFeature, expand, ParameterError, plane_from_pose, Servo, Status
 from aras_visual_servo.features import base as features
-
 from aras_visual_servo.laws import base as laws
-from aras_visual_servo.ground.errors import DegenerateFeature, ParameterError
-from aras_visual_servo.features.interaction import plane_from_pose
-from aras_visual_servo.servo.servo import Servo
-from aras_visual_servo.ground.types import Status
+from aras_visual_servo.laws.base import LAWS
 
 SIX = ("xn", "yn", "an", "sx", "sy", "alpha")
 ROUNDING = 1e-10  # of a chain of two forward kinematics
@@ -111,3 +108,102 @@ def test_every_fault_of_the_features_is_listed():
                  "interaction: found goal, ", "smooth_start_per_s", "no.such.module"):
         assert part in text, part
     assert "px" in features.known_features()
+
+
+POINTS = expand(["points5"])
+POSE, HYBRID = ("tx", "ty", "tz", "rx", "ry", "rz"), ("xr", "yr", "zr", "rx", "ry", "rz")
+KINDS = {
+    "ibvs": ("ibvs", POINTS, {"interaction": "mean"}),
+    "ibvs at the goal's depth": ("ibvs", POINTS, {"interaction": "current", "point_depth": "goal"}),
+    "pbvs": ("pbvs", POSE, {"pose_from": "points"}),
+    "hybrid": ("hybrid", HYBRID, {"pose_from": "points"}),
+    "sliding": ("sliding", POINTS, {"sliding": {"switching_per_s": 2.0, "boundary": dict.fromkeys(POINTS, 0.01)}}),
+    "broyden": ("broyden", POINTS, {}),
+    "broyden from test moves": ("broyden", POINTS, {"broyden": {"initial": "moves"}}),
+}
+
+
+def bench_of(kind):
+    law, features, more = KINDS[kind]
+    return Bench(law=law, features=list(features), gains_per_s=dict.fromkeys(features, 2.0),
+                 thresholds=dict.fromkeys(features, 1e-5), time_limit_s=30.0, **more)
+
+
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if "test moves" not in kind])
+def test_camera_comes_home(kind):
+    """The five-axis arm cannot tilt about one axis: it is right again at the goal, where the features are."""
+    bench = bench_of(kind)
+    assert bench.run(900).status == Status.CONVERGED, bench.records[-1].status_text
+    distance, angle = pose_error(bench.X_WG, bench.arm.pose(bench.q))
+    assert distance < 1e-3 and angle < 2e-3  # thresholds of 1e-5 over the smallest singular value, about 0.01
+
+
+def still(command):
+    return not command.position and set(command.velocity.values()) == {0.0}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_points_that_are_not_there_leave_the_arm_still_until_they_are(kind):
+    bench = bench_of(kind)
+    bench.step()
+    for x, y in (((), ()), ((0.1,), (0.1,)), ((0.1, 0.2, 0.3, 0.4, 0.5), ())):
+        view = bench.look()
+        view.features.point_x, view.features.point_y = x, y
+        command, record = bench.step(view)
+        assert record.status == Status.TARGET_LOST and still(command), (x, record.status_text)
+    _, record = bench.step()
+    assert record.status in (Status.SERVOING, Status.NEAR_SINGULARITY)
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+@pytest.mark.parametrize("kind", KINDS)
+def test_points_that_are_no_numbers_are_a_fault_with_the_arm_still(kind, bad):
+    bench = bench_of(kind)
+    bench.step()
+    view = bench.look()
+    view.features.point_y[2] = bad
+    command, record = bench.step(view)
+    assert record.status == Status.FAULT and "not finite" in record.status_text and still(command)
+
+
+@pytest.mark.parametrize("kind", ["pbvs", "hybrid"])
+def test_points_in_another_order_are_refused(kind):
+    bench = bench_of(kind)
+    bench.step()
+    view = bench.look()
+    view.features.point_x, view.features.point_y = (
+        [p[k] for k in (1, 0, 2, 4, 3)] for p in (view.features.point_x, view.features.point_y))
+    command, record = bench.step(view)
+    assert record.status == Status.TARGET_LOST and "no pose explains" in record.status_text and still(command)
+
+
+WIDE = {"half_width": 0.8, "half_height": 0.6}
+Q_DOT_ROUNDING = 1e-9
+
+
+@pytest.mark.parametrize("law", ["qp", "mpc"])
+def test_the_camera_arrives_within_the_accelerations_of_the_joints(law):
+    most = {"gantry": 0.5, "J1": 2.0, "J2": 2.0, "J3": 2.0, "J5": 2.0, "J6": 2.0}
+    bench = Bench(law=law, limits={"joint_acceleration": most}, **{law: WIDE})
+    names, before = bench.arm.joint_names, np.zeros(6)
+    for _ in range(200):
+        command, record = bench.step()
+        if record.status != Status.SERVOING:
+            break
+        q_dot = np.array([command.velocity[name] for name in names])
+        allowed = np.array([most[name] for name in names]) / 30.0
+        assert (np.abs(q_dot - before) <= allowed + Q_DOT_ROUNDING).all()
+        np.testing.assert_allclose(record.twist, bench.arm.jacobian(record.q) @ q_dot, atol=Q_DOT_ROUNDING)
+        before = q_dot
+    bench.run()
+    assert bench.records[-1].status == Status.CONVERGED
+    bench.assert_at_goal()
+    assert any("held back by joint" in record.status_text for record in bench.records)
+
+
+@pytest.mark.parametrize("law", ["qp", "mpc"])
+def test_whatever_the_law_raises_the_arm_stands_still(law, monkeypatch):
+    bench = Bench(law=law, **{law: WIDE})
+    monkeypatch.setattr(LAWS[law], "joint_velocity", lambda *arguments: 1 / 0)
+    command, record = bench.step()
+    assert record.status == Status.FAULT and "ZeroDivisionError" in record.status_text and resting(command)

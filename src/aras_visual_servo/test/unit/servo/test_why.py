@@ -7,12 +7,10 @@ import numpy as np
 import pytest
 from bench import Bench
 
-from aras_visual_servo.spatial import exponential, rotation
-from aras_visual_servo.ground.types import Status
+from aras_visual_servo import Status, StopSettings, Tick
 from aras_visual_servo.servo.arrival import DISPLACED, displaced_target
 from aras_visual_servo.servo.time_limit import FREE_S, Hindrance, TimeLimit
-from aras_visual_servo.servo.stage import Tick
-from aras_visual_servo.servo.stop_rule import StopSettings
+from aras_visual_servo.spatial import exponential, rotation
 
 STOP = {"tilt_rad": 0.0003, "position_m": 0.0002, "rotation_rad": 0.0004}
 THRESHOLDS = {"xn": 0.0001, "yn": 0.0002, "an": 0.0001, "alpha": 0.0003}

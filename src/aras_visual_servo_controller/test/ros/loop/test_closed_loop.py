@@ -5,12 +5,11 @@ import unittest
 
 import numpy as np
 import rospy
+from wiring import call, wait_until, Watcher
 
-from aras_visual_servo.runs.loop import ServoLoop
-from aras_visual_servo.scenario.scenario import load_scenario
+from aras_visual_servo import load_scenario, ServoLoop
 from aras_visual_servo_msgs.msg import ServoState
 from aras_visual_servo_msgs.srv import Step
-from wiring import Watcher, call, wait_until
 
 CLOSING_S = 0.5  # after which the goal lets the simulator pause
 FEATURES = ("area", "xg", "yg", "alpha", "xn", "yn", "an", "orientation_condition", "asymmetry")

@@ -8,7 +8,6 @@ import unittest
 
 import rospy
 from tornado.websocket import websocket_connect
-
 from wiring import wait_until
 
 LIMIT_S = 60.0

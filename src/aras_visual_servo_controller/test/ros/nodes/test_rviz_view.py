@@ -8,8 +8,7 @@ import numpy as np
 import rospy
 from sensor_msgs.msg import Image
 from visualization_msgs.msg import InteractiveMarkerFeedback, InteractiveMarkerInit, Marker
-
-from wiring import LIMIT_S, Watcher, wait_until
+from wiring import LIMIT_S, wait_until, Watcher
 
 
 class RvizView(unittest.TestCase):

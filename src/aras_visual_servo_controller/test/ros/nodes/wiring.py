@@ -5,14 +5,13 @@ import threading
 import time
 
 import rospy
+from actionlib_msgs.msg import GoalID
+from sensor_msgs.msg import JointState
 from std_srvs.srv import Empty
 
-from actionlib_msgs.msg import GoalID
-from aras_visual_servo_msgs.msg import (MomentFeatures, ServoState, SimStatus, VisualServoActionFeedback,
-                                        VisualServoActionGoal, VisualServoActionResult)
-from sensor_msgs.msg import JointState
-
 from aras_visual_servo_controller.nodes.graph import Graph
+from aras_visual_servo_msgs.msg import (
+    MomentFeatures, ServoState, SimStatus, VisualServoActionFeedback, VisualServoActionGoal, VisualServoActionResult)
 
 LIMIT_S = 60.0  # wall time until a condition must hold; generous, the machine may be busy
 

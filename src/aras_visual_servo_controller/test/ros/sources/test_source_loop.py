@@ -9,9 +9,8 @@ import sys
 import rospy
 from test_closed_loop import ClosedLoop
 
+from aras_visual_servo import FeatureSet, load_scenario, source_named
 from aras_visual_servo_controller.bags.replay import NOT_COMPARED, same
-from aras_visual_servo.features import FeatureSet, source_named
-from aras_visual_servo.scenario.scenario import load_scenario
 
 
 class SourceLoop(ClosedLoop):

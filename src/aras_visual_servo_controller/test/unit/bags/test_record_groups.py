@@ -2,9 +2,8 @@
 
 import pytest
 
-from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo_controller.bags.record_groups import (GROUPS, group_of, is_chosen, lacking,
-                                                             parse_groups)
+from aras_visual_servo import ParameterError
+from aras_visual_servo_controller.bags.record_groups import group_of, GROUPS, is_chosen, lacking, parse_groups
 
 
 ALL = tuple(GROUPS)

@@ -19,6 +19,7 @@ from aras_visual_servo_controller.bags.bag import BagError  # noqa: E402
 from aras_visual_servo_controller.bags.replay import replay, same  # noqa: E402
 
 VISION = {"object": "dark", "segmentation": "coverage"}
+LUMINANCE = {**VISION, "photometric": {"levels": 2, "border_px": 4}}
 INFO = {"width": 64, "height": 48, "K": [100.0, 0, 31.5, 0, 100.0, 23.5, 0, 0, 1], "D": [0.0] * 5,
         "distortion_model": "plumb_bob", "P": [0.0] * 12, "R": [1.0, 0, 0, 0, 1, 0, 0, 0, 1], "frame_id": "camera"}
 TAUGHT, IMAGES = 3, 8
@@ -38,74 +39,59 @@ def texture(k):
     return np.repeat(grey[..., None], 3, axis=2)
 
 
-def write_photometric(path, change=None, late=0):
-    """The same with photometric features, whatever the moments make of a texture."""
-    vision = {**VISION, "photometric": {"levels": 2, "border_px": 4}}
-    moments, extractor = camera.MomentExtractor(INFO, vision), camera.PhotometricExtractor(INFO, vision["photometric"])
-    with rosbag.Bag(str(path), "w") as bag:
-        bag.write("/a/scenario", String(yaml.safe_dump({"name": "x", "vision": vision})), rospy.Time(0, 1))
-        bag.write("/a/camera/camera_info", CameraInfo(**{key: INFO[key] for key in (
-            "width", "height", "K", "D", "P", "R", "distortion_model")}), rospy.Time(0, 1))
-        for k in range(IMAGES):
-            stamp, image = rospy.Time(k + 1), texture(k)
-            stamp_ns = stamp.to_nsec()
-            for name, kind, seen in (("features", MomentFeatures, moments.process(image, stamp_ns)),
-                                     ("photometric", PhotometricFeatures, extractor.process(image, stamp_ns))):
-                message = kind(**{key: getattr(seen, key) for key in kind.__slots__ if hasattr(seen, key)})
-                message.header.stamp = stamp
-                if k == change and name == "photometric":
-                    message.b = [value + 1e-9 * abs(value) for value in message.b]
-                bag.write(f"/a/camera/{name}", message, stamp)
-            if k == TAUGHT + late:
-                extractor.teach(TAUGHT_NS, 0.59)
-            state = ServoState(phase="servo")
-            state.header.stamp = stamp
-            bag.write("/a/camera/image_raw", image_message(image, stamp), stamp)
-            bag.write("/a/servo_state", state, stamp)
-    return path
-
-
-@pytest.mark.parametrize("late", [0, 2])
-def test_photometric_features_are_replayed_with_their_reference(tmp_path, late):
-    result = replay(write_photometric(tmp_path / "run.bag", late=late))
-    assert result.same and result.images == IMAGES, result.text()
-
-
-def test_one_changed_value_of_photometric_features_is_found(tmp_path):
-    changed = replay(write_photometric(tmp_path / "changed.bag", change=IMAGES - 1))
-    assert [line.split(":")[0] for line in changed.differences] == [f"{IMAGES}.000000 s, b"]
-
-
 def write(path, change=None, without=(), vision=VISION, late=0, first=0):
     """What a camera node would have published for IMAGES images, the view TAUGHT made the reference `late` images on.
-    Those before the `first` are not in the bag."""
-    extractor = camera.MomentExtractor(INFO, vision)
+
+    Images before the `first` are not in the bag. With vision.photometric the images are textures, and `change` is that
+    of the photometric features.
+    """
+    extractors = [("features", MomentFeatures, camera.MomentExtractor(INFO, vision))]
+    if "photometric" in vision:
+        extractors.append(("photometric", PhotometricFeatures,
+                           camera.PhotometricExtractor(INFO, vision["photometric"])))
     with rosbag.Bag(str(path), "w") as bag:
         def put(topic, message, stamp):
             if topic not in without:
+                if hasattr(message, "header"):
+                    message.header.stamp = stamp
                 bag.write("/a/" + topic, message, stamp)
 
         put("scenario", String(yaml.safe_dump({"name": "x", "vision": vision})), rospy.Time(0, 1))
         put("camera/camera_info", CameraInfo(**{key: INFO[key] for key in ("width", "height", "K", "D", "P", "R",
                                                                            "distortion_model")}), rospy.Time(0, 1))
         for k in range(IMAGES):
-            stamp = rospy.Time(k + 1)
-            features = extractor.process(wedge(k), stamp.to_nsec())
-            message = MomentFeatures(**{name: getattr(features, name) for name in MomentFeatures.__slots__
-                                        if hasattr(features, name)})
+            stamp, image = rospy.Time(k + 1), (texture if "photometric" in vision else wedge)(k)
+            messages = []
+            for name, kind, extractor in extractors:
+                seen = extractor.process(image, stamp.to_nsec())
+                messages.append((name, kind(**{key: getattr(seen, key) for key in kind.__slots__
+                                               if hasattr(seen, key)})))
             if k == TAUGHT + late:
-                extractor.teach(TAUGHT_NS, 0.59)
+                extractors[-1][2].teach(TAUGHT_NS, 0.59)
             if k < first:
                 continue
-            message.header.stamp = stamp
-            if change is not None and k == change:
-                message.xg = math.nextafter(message.xg, 1.0) if hasattr(math, "nextafter") else message.xg + 1e-16
-            state = ServoState(phase="servo")
-            state.header.stamp = stamp
-            put("camera/image_raw", image_message(wedge(k), stamp), stamp)
-            put("camera/features", message, stamp)
-            put("servo_state", state, stamp)
+            if k == change:
+                last = messages[-1][1]
+                if "photometric" in vision:
+                    last.b = [value + 1e-9 * abs(value) for value in last.b]
+                else:
+                    last.xg = math.nextafter(last.xg, 1.0)
+            put("camera/image_raw", image_message(image, stamp), stamp)
+            for name, message in messages:
+                put(f"camera/{name}", message, stamp)
+            put("servo_state", ServoState(phase="servo"), stamp)
     return path
+
+
+@pytest.mark.parametrize("late", [0, 2])
+def test_photometric_features_are_replayed_with_their_reference(tmp_path, late):
+    result = replay(write(tmp_path / "run.bag", vision=LUMINANCE, late=late))
+    assert result.same and result.images == IMAGES, result.text()
+
+
+def test_one_changed_value_of_photometric_features_is_found(tmp_path):
+    changed = replay(write(tmp_path / "changed.bag", vision=LUMINANCE, change=IMAGES - 1))
+    assert [line.split(":")[0] for line in changed.differences] == [f"{IMAGES}.000000 s, b"]
 
 
 @pytest.mark.parametrize("late", [0, 2])

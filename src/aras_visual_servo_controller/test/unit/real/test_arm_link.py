@@ -2,12 +2,10 @@
 
 import numpy as np
 import pytest
-from toy_plant import GOAL, arm
+from toy_plant import arm, GOAL
 
-from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo.ground.types import Command
+from aras_visual_servo import Command, make_form, ParameterError, RealSettings, SetPoint
 from aras_visual_servo_controller.real.arm_link import ArmLink
-from aras_visual_servo.arm.real import FORMS, RealSettings, SetPoint, make_form
 
 MS = 1_000_000
 PERIOD_S = 0.008
@@ -318,7 +316,3 @@ def test_a_trajectory_has_one_point_ahead():
 def test_bad_settings_are_named(settings, fault):
     with pytest.raises(ParameterError, match=fault):
         RealSettings.from_dict(settings, NAMES)
-
-
-def test_the_forms_are_known_by_name():
-    assert tuple(FORMS) == ("position", "trajectory", "velocity")

@@ -7,19 +7,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from board_views import HEIGHT, LENS, WIDTH, BoardViews
+from board_views import BoardViews, HEIGHT, LENS, WIDTH
 
+import aras_visual_servo as avs
+from aras_visual_servo import judge, kinematics_of, load_scenario, ParameterError, robot_kinematics
+from aras_visual_servo.cli.main import main
+from aras_visual_servo.spatial import inverse, rotation_angle, rotation_rpy, rotation_vector
 from aras_visual_servo_controller.calibration.boards import Board
-from aras_visual_servo_controller.calibration.camera import CameraCalibration, calibrate_camera
+from aras_visual_servo_controller.calibration.camera import calibrate_camera, CameraCalibration
 from aras_visual_servo_controller.calibration.hand_eye import calibrate_hand_eye
 from aras_visual_servo_controller.calibration.target import target_plane
-from aras_visual_servo.arm.robot import kinematics_of, robot_kinematics
-from aras_visual_servo.cli.main import main
-from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo.spatial import inverse, rotation_angle, rotation_rpy, rotation_vector
-import aras_visual_servo as avs
-from aras_visual_servo.runs.judge import judge
-from aras_visual_servo.scenario.scenario import load_scenario
 
 BOARDS = {"chessboard": (8, 5, 0.035), "circles": (4, 11, 0.025)}
 LINK, VIEWS, Z_STAR_M = "link6", 12, 0.59

@@ -1,13 +1,14 @@
-"""The scenario says where a calibration found the camera: the kinematics end there, the simulated camera stays."""
+"""A real arm: the hand-eye section, commands as float32, the numbers of its page."""
+
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from aras_visual_servo.arm.robot import kinematics_of
-from aras_visual_servo.ground.errors import ModelError, ParameterError
+from aras_visual_servo import Command, kinematics_of, load_scenario, ModelError, ParameterError, RealSettings, ServoLoop
 from aras_visual_servo.spatial import inverse, pose_from_rpy
-from aras_visual_servo.runs.loop import ServoLoop
-from aras_visual_servo.scenario.scenario import load_scenario
+from aras_visual_servo_controller.real.float_commands import SetPointIntegrator
 
 #: Products of a dozen rotations: some eps.
 ROUNDING = 1e-9
@@ -34,12 +35,6 @@ def test_the_camera_is_where_the_calibration_has_it_at_every_posture():
         assert arm.pose(q) == pytest.approx(to_link.pose(q) @ X_FC, abs=ROUNDING)
 
 
-def test_without_it_the_urdf_counts():
-    scenario = load_scenario("experiment_1")
-    q = np.full(6, 0.1)
-    assert (kinematics_of(scenario.urdf_xml(), scenario.robot).pose(q) == ServoLoop(scenario).kinematics.pose(q)).all()
-
-
 def test_the_loop_believes_it_and_the_simulated_camera_stays():
     loops = [ServoLoop(load_scenario("experiment_1", overrides)) for overrides in
              ({}, {"robot.hand_eye": {**HAND_EYE, "link": flange()}})]
@@ -60,3 +55,77 @@ def test_a_link_that_the_urdf_does_not_have_is_named():
 def test_a_transform_that_is_not_whole_is_refused_with_the_scenario():
     with pytest.raises(ParameterError, match="robot.hand_eye"):
         load_scenario("experiment_1", {"robot.hand_eye": {"link": "link6", "position_m": [0.0, 0.0]}})
+
+
+SECOND_NS = 1_000_000_000
+FLOAT_ROUNDING = 1e-12  # a hundred additions of numbers near 1
+
+
+def integrator(timeout_s=10.0):
+    return SetPointIntegrator(("a", "b"), np.array([-1.0, -np.inf]), np.array([1.0, np.inf]), int(timeout_s * 1e9))
+
+
+def test_integrates_a_velocity_from_the_measured_position():
+    points = integrator()
+    points.advance(0)
+    points.command(Command(0, velocity={"a": 0.5}), [0.1, 0.2])
+    for tick in range(1, 101):
+        result = points.advance(tick * SECOND_NS // 100)
+    assert result["a"] == pytest.approx(0.6, abs=FLOAT_ROUNDING)
+    assert result["b"] == 0.2
+
+
+def test_a_position_is_taken_at_once_and_clamped_to_the_limits():
+    points = integrator()
+    points.command(Command(0, position={"a": 5.0, "b": 5.0}), [0.0, 0.0])
+    assert points.advance(0) == {"a": 1.0, "b": 5.0}
+
+
+def test_integration_stops_at_the_limit_and_does_not_wind_up():
+    points = integrator()
+    points.advance(0)
+    points.command(Command(0, velocity={"a": 1.0}), [0.9, 0.0])
+    assert points.advance(SECOND_NS)["a"] == 1.0
+    points.command(Command(SECOND_NS, velocity={"a": -1.0}), [0.9, 0.0])
+    assert points.advance(3 * SECOND_NS // 2)["a"] == pytest.approx(0.5, abs=FLOAT_ROUNDING)
+
+
+def test_a_velocity_without_successor_stops_after_the_timeout():
+    points = integrator(timeout_s=0.2)
+    points.advance(0)
+    points.command(Command(0, velocity={"b": 1.0}), [0.0, 0.0])
+    points.advance(SECOND_NS)
+    assert points.advance(2 * SECOND_NS)["b"] == pytest.approx(0.2, abs=FLOAT_ROUNDING)
+
+
+def test_a_joint_that_is_not_commanded_any_more_stops():
+    points = integrator()
+    points.advance(0)
+    points.command(Command(0, velocity={"b": 1.0}), [0.0, 0.0])
+    points.advance(SECOND_NS)
+    points.command(Command(SECOND_NS), [0.0, 0.0])
+    assert points.advance(2 * SECOND_NS)["b"] == pytest.approx(1.0, abs=FLOAT_ROUNDING)
+
+
+def test_reset_forgets_everything():
+    points = integrator()
+    points.command(Command(0, position={"a": 0.5}), [0.0, 0.0])
+    points.reset()
+    assert points.advance(0) == {}
+
+
+PAGE = (Path(__file__).parents[5] / "docs" / "real_robot.md").read_text(encoding="utf-8")
+
+
+@pytest.fixture
+def scenario(tmp_path):
+    (block,) = re.findall(r"```yaml\n(.*?)```", PAGE, re.DOTALL)
+    path = tmp_path / "my_arm.yaml"
+    path.write_text(block, encoding="utf-8")
+    return load_scenario(path)
+
+
+def test_the_scenario_of_the_page_is_read_by_the_node(scenario):
+    arm = kinematics_of(scenario.urdf_xml(), scenario.robot)
+    settings = RealSettings.from_dict(scenario.real, arm.joint_names)
+    assert (settings.controller, settings.speed_part) == ("/arm_controller", 0.1)

@@ -70,17 +70,13 @@ def test_a_joint_stops_before_its_limit_and_leaves_it_again():
     assert teleop.velocity(near, 0.0)[0] == -0.3
 
 
-def test_the_camera_stops_rather_than_going_elsewhere():
+@pytest.mark.parametrize("keys, q", [("\td", [0.9999, 0, 0, 0, 0, 0]), ("d", [0, 0, np.nan, 0, 0, 0])],
+                         ids=["the camera rather than going elsewhere", "positions that are not finite"])
+def test_it_stops_where_it_cannot_do_as_told(keys, q):
     teleop = make()
-    teleop.press("\t", 0.0)
-    teleop.press("d", 0.0)
-    np.testing.assert_array_equal(teleop.velocity(np.array([0.9999, 0, 0, 0, 0, 0]), 0.0), REST)
-
-
-def test_positions_that_are_not_finite_move_nothing():
-    teleop = make()
-    teleop.press("d", 0.0)
-    np.testing.assert_array_equal(teleop.velocity(np.array([0, 0, np.nan, 0, 0, 0]), 0.0), REST)
+    for key in keys:
+        teleop.press(key, 0.0)
+    np.testing.assert_array_equal(teleop.velocity(np.array(q), 0.0), REST)
 
 
 def test_meaningless_keys_are_ignored_and_x_quits():

@@ -3,9 +3,8 @@
 import time
 
 import rospy
-from sensor_msgs.msg import Image
-
 from listening import command, command_publisher, until_sent_to
+from sensor_msgs.msg import Image
 
 if __name__ == "__main__":
     rospy.init_node("answering_node")

@@ -7,13 +7,10 @@ import pathlib
 import pytest
 from synthetic import make_record
 
-from aras_visual_servo import cli
+from aras_visual_servo import cli, ModelError, ParameterError
 from aras_visual_servo.cli.main import main
-
 from aras_visual_servo.runs import judge as experiment
-
 from aras_visual_servo_controller.nodes import launch
-from aras_visual_servo.ground.errors import ModelError, ParameterError
 
 
 @pytest.fixture

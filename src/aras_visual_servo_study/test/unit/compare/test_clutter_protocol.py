@@ -3,10 +3,8 @@
 import numpy as np
 import pytest
 
-from aras_visual_servo_study.compare.protocols import board as boards
-from aras_visual_servo_study.compare.protocols import clutter, protocol_named
-from aras_visual_servo.config.files import load_yaml
-from aras_visual_servo.ground.errors import ParameterError
+from aras_visual_servo import load_yaml, ParameterError
+from aras_visual_servo_study.compare.protocols import board as boards, clutter, protocol_named
 
 
 def test_each_condition_brings_what_it_says():

@@ -3,11 +3,9 @@
 import numpy as np
 import pytest
 
-from aras_visual_servo_study.compare.protocols import board as boards
-from aras_visual_servo_study.compare.protocols import cns_render, props, protocol_named, settled
-from aras_visual_servo.config.files import load_yaml
-from aras_visual_servo.ground.errors import ParameterError
+from aras_visual_servo import load_yaml, ParameterError
 from aras_visual_servo.spatial import quaternion_xyzw, rotation_rpy
+from aras_visual_servo_study.compare.protocols import board as boards, cns_render, props, protocol_named, settled
 
 STILL_M, STILL_S = 1e-3, 0.3
 

@@ -1,22 +1,27 @@
 """Laws side by side on the canonical tasks, and runs side by side on one page."""
 
 import csv
-import math
+import pathlib
+import signal
+import subprocess
+import sys
+import time
 from dataclasses import replace
 
 import numpy as np
+import psutil
 import pytest
 import yaml
 
+from aras_visual_servo import ParameterError
 from aras_visual_servo.cli import EXIT_PARAMETERS, EXIT_PASSED
 from aras_visual_servo.cli.main import main
-from aras_visual_servo.ground.errors import ParameterError
+from aras_visual_servo.spatial import rotation_vector
 from aras_visual_servo_study.compare.laws import load_comparison, run_comparison
 from aras_visual_servo_study.compare.laws_figure import make_figure, part_of
-from aras_visual_servo_study.compare.laws_report import ARRIVED_DEG, ARRIVED_MM, arrived, csv_text, verdict
-from aras_visual_servo.spatial import rotation_vector
-from aras_visual_servo_study.files import share_dir
+from aras_visual_servo_study.compare.laws_report import arrived, ARRIVED_DEG, ARRIVED_MM, csv_text, verdict
 from aras_visual_servo_study.compare.side_by_side import differing, read_run, rows_of
+from aras_visual_servo_study.files import share_dir
 
 #: A law that turns on the spot leaves it by what the arm lags behind in the first images [mm].
 ON_THE_SPOT_MM = 10.0
@@ -82,12 +87,6 @@ def test_what_is_published_of_half_a_turn():
         assert arrived(row) and verdict(row) == "arrived" and row["farthest_mm"] < ON_THE_SPOT_MM
         assert track.angle_deg[0] > 170.0 and track.angle_deg[-1] < ARRIVED_DEG
     assert not arrived(rows["moments"][0]) and rows["moments"][0]["farthest_mm"] > 10.0 * ON_THE_SPOT_MM
-
-
-def test_half_a_turn_to_the_last_bit_is_half_a_turn(tmp_path):
-    path = write(tmp_path, tasks={"half": {"offset": {"rz_rad": math.pi}}})
-    (_, _, row, track), = run_comparison(load_comparison(path, ["pbvs"]), 0)
-    assert arrived(row) and track.angle_deg[0] == pytest.approx(180.0, abs=0.1) and track.t_s[-1] > 1.0
 
 
 def test_a_joint_the_goal_does_not_name_stays_where_it_starts():
@@ -181,3 +180,22 @@ def test_a_figure_that_is_read_at_a_glance_has_only_the_laws_and_tasks_asked_for
     figure = make_figure(chosen, found, width_in=8.8, row_in=2.0)
     assert [text.get_text() for text in figure.legends[0].get_texts()] == ["hybrid", "pbvs"] and len(figure.axes) == 4
     assert figure.get_figwidth() == 8.8
+
+
+PROGRAM = pathlib.Path(__file__).resolve().parents[4] / "aras_visual_servo" / "scripts" / "aras-servo"
+PATIENCE_S = 120.0
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL], ids=lambda number: number.name)
+def test_a_signal_ends_a_comparison_and_its_workers(number, tmp_path):
+    process = subprocess.Popen([sys.executable, str(PROGRAM), "compare", "laws", "--workers", "2", "--output",
+                                str(tmp_path)], stderr=subprocess.PIPE, text=True)
+    end_s, workers = time.monotonic() + PATIENCE_S, []
+    while sum(worker.cpu_times().user > 1.0 for worker in workers) < 2:  # at work
+        assert time.monotonic() < end_s and process.poll() is None
+        time.sleep(0.1)
+        workers = psutil.Process(process.pid).children(recursive=True)
+    process.send_signal(number)
+    _, said = process.communicate(timeout=PATIENCE_S)
+    assert process.returncode == (-number if number == signal.SIGKILL else 128 + number) and "Traceback" not in said
+    assert not psutil.wait_procs(workers, timeout=PATIENCE_S)[1]

@@ -5,15 +5,13 @@ import math
 import numpy as np
 import pytest
 
+from aras_visual_servo import expand, known_features, load_scenario, ParameterError, register_feature
+from aras_visual_servo.features import base as features
+from aras_visual_servo.laws import base as laws
+from aras_visual_servo.laws.image import ImageBased
 from aras_visual_servo_study.compare.protocols import protocol_named, runner
 from aras_visual_servo_study.compare.protocols.base import Case
 from aras_visual_servo_study.compare.protocols.convergence import cells, page, sets, starts
-from aras_visual_servo.features.base import expand, known_features, register_feature
-from aras_visual_servo.features import base as features
-from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo.laws import base as laws
-from aras_visual_servo.laws.image import ImageBased
-from aras_visual_servo.scenario.scenario import load_scenario
 from aras_visual_servo_study.sweep.statistics import wilson
 
 

@@ -5,13 +5,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from aras_visual_servo_study.compare.protocols import (Case, Protocol, known_protocols, protocol_named, runner)
-from aras_visual_servo_study.compare.protocols import board as boards
-from aras_visual_servo_study.compare.protocols import cns_affine, vit_vs
-from aras_visual_servo_study.compare.protocols.base import spread
-from aras_visual_servo.ground.errors import ParameterError
+from aras_visual_servo import load_scenario, ParameterError
 from aras_visual_servo.spatial import rotation_angle, rotation_vector
-from aras_visual_servo.scenario.scenario import load_scenario
+from aras_visual_servo_study.compare.protocols import (
+    board as boards, Case, cns_affine, known_protocols, Protocol, protocol_named, runner, vit_vs)
+from aras_visual_servo_study.compare.protocols.base import spread
 from aras_visual_servo_study.sweep.engine import open_sweep
 from aras_visual_servo_study.sweep.statistics import wilson
 

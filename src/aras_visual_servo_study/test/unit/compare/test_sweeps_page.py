@@ -1,4 +1,4 @@
-"""The page of `compare`: its numbers are those of the statistics, its maps show pairs, a click gives both commands."""
+"""Pages of `compare`: numbers of the statistics, maps of pairs, commands by a click; runs side by side."""
 
 import json
 import re
@@ -6,11 +6,12 @@ import shlex
 from html import unescape
 
 import pytest
-from browser import CHROMIUM, Browser
+from browser import Browser, CHROMIUM
 
 from aras_visual_servo.cli.main import main
 from aras_visual_servo_study.compare.sweeps import compare_pair
 from aras_visual_servo_study.compare.sweeps_report import paired_maps, sweeps_page
+from aras_visual_servo_study.report.template import render
 from aras_visual_servo_study.sweep.store import SweepStore
 
 LIMITS_S = {"long": "1.5", "short": "0.9"}
@@ -95,3 +96,27 @@ def test_a_click_gives_the_commands_of_both_runs_and_print_cuts_nothing(page, ou
         pages = browser.printed(tmp_path / "compare.pdf")
         assert all(len(page.split()) > 5 for page in pages)
         assert browser.said == []
+
+
+#: As of a run that did not converge: the words of the judge.
+LONG = "not converged after 20.0 s: xn, yn, an, alpha; for the last 19.7 s the arm could not do what was asked, END"
+#: A transparent picture of one pixel.
+PIXEL = ("iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg==")
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
+@pytest.mark.parametrize("size", [(1200, 900), (390, 844)])
+def test_no_cell_is_wider_than_the_page_and_print_is_whole(tmp_path, size):
+    page = tmp_path / "runs.html"
+    page.write_text(render("runs.html.j2", labels=["naive_inverse", "redundant"], settings=[("servo.gain", "12")],
+                           table=[("ended with", [LONG, LONG]), ("error [mm]", ["61.55", "0.26"])],
+                           command="compare_runs", picture=PIXEL))
+    with Browser(tmp_path, size=size) as browser:
+        browser.open(page.as_uri())
+        browser.wait("document.querySelector('.results')")
+        assert browser.value("[...document.querySelectorAll('.wide')].every((one) => one.scrollWidth <= "
+                             "one.clientWidth)")
+        assert browser.value("document.documentElement.scrollWidth <= innerWidth")
+        pages = browser.printed(tmp_path / "runs.pdf")
+        assert all(len(page.split()) > 5 for page in pages)
+        assert " ".join(pages).count("END") == 2 and "61.55" in " ".join(pages)

@@ -4,12 +4,9 @@ import numpy as np
 import pytest
 import yaml
 
-from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo.ground.types import Status
+from aras_visual_servo import load_scenario, ParameterError, Status
 from aras_visual_servo_study.live import messages as ask
 from aras_visual_servo_study.live.run import LiveRun
-from aras_visual_servo_study.live.settings import acts_at_once
-from aras_visual_servo.scenario.scenario import load_scenario
 
 WHOLE_NS = 10**12       # to the next image, however far
 SLICE_NS = 16_000_000   # as a page at real time asks for
@@ -144,14 +141,6 @@ def test_light_changes_at_once_and_what_waits_goes_on_waiting(run):
     run.do(ask.Reset())
     images(run, 1)
     assert tuple(run.image[0, 0]) == (10, 20, 30) and run.loop.sim.period_ns == 2_000_000
-
-
-def test_what_waits_for_a_reset_is_told_and_acts_then(run):
-    assert not acts_at_once("sim.period_s")
-    assert run.do(ask.Set({"sim.period_s": 0.002}))["waiting"] == ["sim.period_s"]
-    assert run.loop.sim.period_ns == 1_000_000 and run.about()["waiting"] == ["sim.period_s"]
-    run.do(ask.Reset())
-    assert run.loop.sim.period_ns == 2_000_000 and run.about()["waiting"] == [] and run.time_ns == 0
 
 
 def move_target(run, dy):

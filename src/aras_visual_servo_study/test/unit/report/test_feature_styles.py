@@ -10,18 +10,14 @@ from pathlib import Path
 
 import pytest
 from matplotlib.figure import Figure
-from synthetic import SETTINGS, make_record
+from synthetic import make_record, SETTINGS
 
 import aras_visual_servo_controller
-from aras_visual_servo.features import expand, styles
-from aras_visual_servo.ground.types import FEATURE_NAMES
+from aras_visual_servo import expand, FEATURE_NAMES, fit_decay, load_scenario, scenario_names, styles
 from aras_visual_servo_study.report.figure import draw_panel
 from aras_visual_servo_study.report.page import report_html
 from aras_visual_servo_study.report.plots import plots_of
 from aras_visual_servo_study.report.report import summarise, trace_csv
-from aras_visual_servo.runs.judge import fit_decay
-from aras_visual_servo.config.files import scenario_names
-from aras_visual_servo.scenario.scenario import load_scenario
 
 PACKAGE = Path(aras_visual_servo_controller.__file__).parent
 UNITS = {"m", "rad", "grey", "-"}

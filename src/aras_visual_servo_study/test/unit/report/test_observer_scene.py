@@ -5,10 +5,9 @@ import xml.etree.ElementTree as tree
 import numpy as np
 import pytest
 
-from aras_visual_servo.arm.kinematics import Kinematics
+from aras_visual_servo import Kinematics, load_scenario
 from aras_visual_servo_study.report import observer
 from aras_visual_servo_study.report.observer import LIGHTING, Observer, with_stand
-from aras_visual_servo.scenario.scenario import load_scenario
 
 pytest.importorskip("aras_visual_servo_sim")
 ROBOT = '<robot name="r"><link name="base"/><link name="arm"/><joint name="j" type="revolute"><parent link="base"/>' \

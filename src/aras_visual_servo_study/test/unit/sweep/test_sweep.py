@@ -13,11 +13,9 @@ import time
 import psutil
 import pytest
 
-from aras_visual_servo_study.sweep import engine as sweep_engine
-
-from aras_visual_servo_study.sweep import worker as sweep_worker
 from aras_visual_servo.cli.main import main
 from aras_visual_servo.processes import Interrupted
+from aras_visual_servo_study.sweep import engine as sweep_engine, worker as sweep_worker
 from aras_visual_servo_study.sweep.store import SweepStore
 
 PROGRAM = pathlib.Path(__file__).resolve().parents[4] / "aras_visual_servo" / "scripts" / "aras-servo"

@@ -1,11 +1,15 @@
-"""What the figures of a sweep show: which runs are on which panel, the scales of the colours, the cells behind them."""
+"""What a sweep shows: figures, summary, progress."""
 
+import sys
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from matplotlib.colors import LogNorm
 
-from aras_visual_servo_study.sweep.figure import AXES, _cell_edges, _norm, known_axes, make_figure
+from aras_visual_servo_study.sweep import engine
+from aras_visual_servo_study.sweep.figure import _cell_edges, _norm, AXES, known_axes, make_figure
+from aras_visual_servo_study.sweep.report import format_summary, setting_rows
 
 
 def row(number, outcome="success", **more):
@@ -92,3 +96,81 @@ def test_axes_are_columns_that_hold_numbers_or_nothing():
             row(2, p_noise=None, start_J1=0.5, p_target=None, offset_x=3)]
     assert known_axes(rows)[-3:] == ["p_noise", "start_J1", "offset_x"] and "p_target" not in known_axes(rows)
     assert known_axes([]) == list(AXES) == ["x0_mm", "y0_mm", "z0_mm", "distance0_mm", "angle0_deg"]
+
+
+def summary_row(number, outcome="success", **more):
+    won = int(outcome == "success")
+    return {"id": number, "outcome": outcome, "success": won, "strict": 0, "cns": won, "vit_vs": None,
+            "converged": won, "reason": outcome, "duration_s": 2.0 * number, "error_mm": 0.01 * number,
+            "angle_deg": 0.001 * number, **more}
+
+
+def summary(rows):
+    store = SimpleNamespace(rows=lambda: rows, meta={"setup": {"scenario": {"name": "mine"}}})
+    return format_summary(store).splitlines()
+
+
+def test_without_a_success_no_time_is_told():
+    said = summary([summary_row(1, "failure", reason="timed out", success=0)])
+    assert said[-1] == "     1 failure     timed out" and not any("median" in line for line in said)
+
+
+@pytest.mark.parametrize("section, rows", [
+    ({"ranges": {"x_m": (-0.1, 0.25)}}, [("range of x_m", "-0.1 to 0.25")]),
+    ({"goal": {"tilt_rad": (0.0, 0.5)}}, [("goal, range of tilt_rad", "0 to 0.5")]),
+    ({"perturb": {"noise_stddev": "[0, 2]"}}, [("perturbed: noise_stddev", "[0, 2]")])])
+def test_the_page_lists_what_a_sweep_varied(section, rows):
+    settings = {"starts": 9, "method": "grid", "space": "camera", "seed": 4, "ranges": {}, "goal": {}, "perturb": {}}
+    first = [("starts", "9"), ("method", "grid"), ("space", "camera"), ("seed", "4")]
+    assert setting_rows({"settings": {**settings, **section}}) == first + rows
+
+
+@pytest.mark.parametrize("count, workers, sizes", [
+    (1, 1, [1]), (9, 1, [2, 2, 2, 2, 1]), (64, 2, [8] * 8), (63, 2, [7] * 9), (1000, 1, [8] * 125), (4, 8, [1] * 4)])
+def test_every_worker_is_given_four_pieces_at_least_and_none_has_more_than_eight_runs(count, workers, sizes):
+    pieces = engine._chunks(list(range(count)), workers)
+    assert [len(piece) for piece in pieces] == sizes and sum(pieces, []) == list(range(count))
+
+
+class Screen:
+    """A stream. Args: terminal: whether it says that it is one."""
+
+    def __init__(self, terminal):
+        self.text, self.isatty = "", lambda: terminal
+
+    def write(self, text):
+        self.text += text
+
+    def flush(self):
+        pass
+
+
+def progress_of(terminal, seconds, every_s=10.0, total=4, done=()):
+    """What is shown when a run comes in at each of these times."""
+    now, screen = [0.0], Screen(terminal)
+    progress = engine.Progress(total, done, screen, every_s, lambda: now[0])
+    for now[0] in seconds:
+        progress.add([{"outcome": "success"}])
+    progress.end()
+    return screen.text
+
+
+def test_a_terminal_has_one_line_that_is_written_again():
+    text = progress_of(True, [0.19, 0.2, 0.3, 0.39])
+    assert text.startswith("\r2/4 runs") and text.count("\r") == 2 and text.endswith("4 success\n")
+    assert text.count("\n") == 1
+
+
+def test_a_file_has_a_new_line_from_time_to_time_and_one_at_the_end():
+    lines = progress_of(False, [9.9, 10.0, 19.9, 19.95]).splitlines()
+    assert [line.split("  ")[0] for line in lines] == ["2/4 runs", "4/4 runs"]
+    assert progress_of(False, [9.9, 10.0, 19.9], total=5).count("\n") == 1
+
+
+def test_progress_tells_rate_and_time_left():
+    now = iter([0.0, 5.0, 5.0, 10.0, 10.0, 10.0])
+    before = [{"outcome": "success"}] * 20
+    progress = engine.Progress(100, before, stream=sys.stderr, every_s=5.0, clock=lambda: next(now))
+    progress.add([{"outcome": "success"}] * 9 + [{"outcome": "failure"}])
+    assert "30/100 runs" in progress.line()
+    assert "1.0 runs/s  1 min 10 s left  29 success, 1 failure" in progress.line()

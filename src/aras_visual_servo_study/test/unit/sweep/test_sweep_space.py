@@ -3,14 +3,11 @@
 import numpy as np
 import pytest
 
-from aras_visual_servo.ground.errors import ParameterError
-from aras_visual_servo.arm.kinematics import Kinematics
-from aras_visual_servo.features.target.outline import Outline
-from aras_visual_servo.scenario.scenario import load_scenario, scenario_from_dict
-from aras_visual_servo_study.sweep.plan import SweepSettings, make_starts, sample
+from aras_visual_servo import Kinematics, load_scenario, Outline, ParameterError, scenario_from_dict
+from aras_visual_servo_study.sweep.plan import make_starts, sample, SweepSettings
 from aras_visual_servo_study.sweep.run import placed
-from aras_visual_servo_study.sweep.space import (CAMERA_AXES, VIEW_MARGIN_PX, View, in_ball, offset_of, pose_of,
-                                                 tilted_goal)
+from aras_visual_servo_study.sweep.space import (
+    CAMERA_AXES, in_ball, offset_of, pose_of, tilted_goal, View, VIEW_MARGIN_PX)
 
 #: Sums and products of a few rounding errors, in metres, radians and pixels.
 ROUNDING = 1e-9

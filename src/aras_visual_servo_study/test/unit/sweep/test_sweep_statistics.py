@@ -1,13 +1,18 @@
-"""Statistics against published tables, pairing, and the gate's expressions."""
+"""Statistics against published tables, pairing, the gate's expressions, and metrics by name."""
 
 import math
+from dataclasses import replace
 
+import numpy as np
 import pytest
+from synthetic import make_record
 
-from aras_visual_servo.ground.errors import ParameterError
+from aras_visual_servo import ParameterError
 from aras_visual_servo_study.compare.sweeps import compare_pair, format_comparison, gate_fires, numbers_of
-from aras_visual_servo_study.sweep.statistics import (aggregate, mcnemar, reasons, signed_rank, success_curve,
-                                                      wilson)
+from aras_visual_servo_study.sweep.judge import COLUMNS, judge_row
+from aras_visual_servo_study.sweep.metrics import judge_by, known_metrics, METRICS, Outcome
+from aras_visual_servo_study.sweep.report import rate_labels
+from aras_visual_servo_study.sweep.statistics import aggregate, mcnemar, reasons, signed_rank, success_curve, wilson
 
 #: Tables give four digits.
 TABLE = 5e-5
@@ -33,6 +38,7 @@ def test_wilson_is_symmetric_and_whole_without_data():
     low, high = wilson(20, 20)
     assert high == 1.0 and low == pytest.approx(1.0 - wilson(0, 20)[1])
     assert wilson(0, 0) == (0.0, 1.0)
+    assert wilson(1, 1) == (pytest.approx(1.0 / (1.0 + 1.959963984540054**2)), 1.0)
 
 
 def test_mcnemar_is_the_binomial_sign_test():
@@ -53,6 +59,8 @@ def test_the_curve_counts_every_run_once():
     curve = success_curve([0.0, 1.0, 2.0, 3.0, 4.0], [1, 1, 1, 0, 0], bins=2)
     assert [(point["count"], point["rate"]) for point in curve] == [(2, 1.0), (3, pytest.approx(1 / 3))]
     assert success_curve([], []) == []
+    curve = success_curve([0.0, 1.0, 10.0], [1, 1, 0], bins=5)
+    assert [(point["low"], point["high"], point["count"]) for point in curve] == [(0.0, 2.0, 2), (8.0, 10.0, 1)]
 
 
 def test_infeasible_starts_do_not_count_against_the_law():
@@ -119,10 +127,63 @@ def test_parts_of_times_and_errors_are_those_of_the_runs_that_succeeded():
     assert (numbers["failures"], numbers["success"]) == (1, pytest.approx(21 / 22))
 
 
-def test_one_run_has_an_interval_too():
-    assert wilson(1, 1) == (pytest.approx(1.0 / (1.0 + 1.959963984540054**2)), 1.0)
+#: Began 200 mm and 30 deg away, the goal 600 mm from the target.
+START = {"distance0_mm": 200.0, "angle0_deg": 30.0, "goal_distance_mm": 600.0}
 
 
-def test_every_bin_of_the_curve_has_its_edges_and_the_last_run_is_in_the_last_bin():
-    curve = success_curve([0.0, 1.0, 10.0], [1, 1, 0], bins=5)
-    assert [(point["low"], point["high"], point["count"]) for point in curve] == [(0.0, 2.0, 2), (8.0, 10.0, 1)]
+def holds(name, error_mm, angle_deg, **changes):
+    return METRICS[name].holds(Outcome(error_mm, angle_deg, **{**START, **changes}))
+
+
+@pytest.mark.parametrize("name, error_mm, angle_deg", [
+    ("success", 20.0, 10.0), ("strict", 1.0, 0.3), ("cns", 60.0, 10.0), ("vit_vs", 20.0, 3.0)])
+def test_a_metric_holds_below_both_its_thresholds(name, error_mm, angle_deg):
+    below = 1.0 - 1e-9
+    assert holds(name, below * error_mm, below * angle_deg)
+    assert not holds(name, error_mm, below * angle_deg) and not holds(name, below * error_mm, angle_deg)
+
+
+def test_cns_measures_by_the_goal_and_not_by_the_start():
+    assert holds("cns", 59.0, 9.0, distance0_mm=1.0, angle0_deg=1.0)
+    assert not holds("cns", 59.0, 9.0, goal_distance_mm=500.0)
+
+
+def test_vit_vs_measures_both_by_the_start():
+    assert not holds("vit_vs", 59.0, 0.0) and not holds("vit_vs", 0.0, 9.0)
+    assert holds("vit_vs", 59.0, 9.0, distance0_mm=600.0, angle0_deg=100.0)
+
+
+def test_a_metric_says_nothing_of_runs_it_has_no_measure_for():
+    assert holds("cns", 0.0, 0.0, goal_distance_mm=None) is None
+    assert holds("vit_vs", 0.0, 0.0, angle0_deg=0.0) is None and holds("vit_vs", 0.0, 0.0, distance0_mm=0.0) is None
+    assert holds("success", 0.5, 0.0, distance0_mm=0.0)  # which is why it has a millimetre of its own
+
+
+def test_every_metric_is_a_column_a_number_and_a_row_of_the_page():
+    names = [one.name for one in known_metrics()]
+    assert names == ["success", "strict", "cns", "vit_vs"] and set(names) < set(COLUMNS)
+    numbers, shown = aggregate([]), {name: (label, source) for label, name, source in rate_labels()}
+    for one in known_metrics():
+        assert {one.name, f"{one.name}_low", f"{one.name}_high"} < set(numbers)
+        assert one.threshold in shown[one.name][0] and one.source == shown[one.name][1]
+        assert one.holds.__doc__ and ("Source:" in one.holds.__doc__)
+
+
+def test_a_run_without_an_end_fails_all_of_them():
+    assert judge_by(None) == dict.fromkeys([one.name for one in known_metrics()], 0)
+
+
+def test_a_rate_counts_the_runs_that_the_metric_speaks_of():
+    row = {"outcome": "success", "success": 1, "strict": 1, "cns": 0, "vit_vs": None, "converged": 1,
+           "duration_s": 1.0, "error_mm": 0.1, "angle_deg": 0.1}
+    numbers = aggregate([row, {**row, "vit_vs": 1}, {**row, "cns": 1, "vit_vs": 0}])
+    assert numbers["vit_vs"] == 0.5 and numbers["cns"] == pytest.approx(1 / 3) and numbers["strict"] == 1.0
+
+
+def test_the_goal_is_as_far_from_the_origin_as_the_target_is():
+    record = make_record()
+    assert judge_row(record)["goal_distance_mm"] is None and judge_row(record)["cns"] is None
+    X_WT = np.eye(4)
+    X_WT[:3, 3] = record.X_WC[record.rows("teach")[-1]][:3, 3] + [0.0, 0.3, 0.4]
+    row = judge_row(replace(record, X_WT=X_WT))
+    assert row["goal_distance_mm"] == pytest.approx(500.0) and row["cns"] == 1

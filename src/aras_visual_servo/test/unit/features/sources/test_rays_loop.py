@@ -3,12 +3,9 @@
 import numpy as np
 import pytest
 
-from aras_visual_servo.arm.robot import kinematics_of
-from aras_visual_servo.spatial import rpy_of
 import aras_visual_servo as avs
-from aras_visual_servo.runs.judge import judge
-from aras_visual_servo.runs.loop import ServoLoop
-from aras_visual_servo.scenario.scenario import load_scenario
+from aras_visual_servo import judge, kinematics_of, load_scenario, ServoLoop
+from aras_visual_servo.spatial import rpy_of
 
 #: The wall is DISTANCE_M away along NORMAL, in the camera frame at the goal.
 NORMAL, DISTANCE_M = np.array([0.95, 0.0, 0.3122499]), 0.45

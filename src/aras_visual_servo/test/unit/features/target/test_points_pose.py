@@ -2,13 +2,11 @@
 
 import numpy as np
 import pytest
-from views import view
-from views import exponential, tilted_pose
 from toy_plant import OUTLINE
+from views import exponential, tilted_pose, view
 
-from aras_visual_servo.ground.errors import DegenerateFeature
-from aras_visual_servo.features.target.points_pose import (PlanarPoints, corners_clockwise, find_corners,
-                                                           homography)
+from aras_visual_servo import DegenerateFeature
+from aras_visual_servo.features.target.points_pose import corners_clockwise, find_corners, homography, PlanarPoints
 from aras_visual_servo.spatial import rotation_vector
 
 SEEDS = (1, 2, 3, 4)
