@@ -61,6 +61,18 @@ def register_family(prefix: str, settings: Optional[type] = None) -> Callable[[T
     return FAMILIES.register(prefix, section=prefix, settings_class=settings)
 
 
+def register_each(base: Type["Feature"], table: Iterable[Tuple[str, str, str, Any]], first: int = 0,
+                  family: bool = False, **attributes: Any) -> None:
+    """Registers a subclass of `base` for each row (name or prefix, symbol, label, colour) of a table.
+
+    The subclasses have these attributes, and `index` first, first + 1, ...
+    """
+    register = register_family if family else register_feature
+    for index, (name, symbol, label, colour) in enumerate(table, first):
+        look = {"symbol": symbol, "label": label, "colour": colour}
+        register(name)(type(name, (base,), {"index": index, **look, **attributes}))
+
+
 def feature_settings() -> Dict[str, type]:
     """Returns section -> settings class of the features and families that have settings of their own, sorted."""
     found = {feature.section: feature.settings_class for feature in [*FEATURES.values(), *FAMILIES.values()]}
@@ -115,7 +127,7 @@ def _area_row(view):
 
 def _mu_row(view, i, j):
     """L of mu_ij (T7)."""
-    return interaction.centred_moment(view.m, view.mu, i, j, view.plane)
+    return interaction.centred_moments(view.m, view.mu, [(i, j)], view.plane)[0]
 
 
 def _normalised_rows(view):
@@ -186,6 +198,7 @@ class Feature:
 
     Attributes:
         name: under which the feature is registered.  number: that of a member of a family.
+        index: its place among features of one class (`register_each`).
         order: up to this order i + j its value and row need moments.
         angle: True if the value is an angle. Its errors are then taken modulo 2 pi, or modulo pi for a symmetric object
             unless the angle is `directed`.
@@ -204,7 +217,7 @@ class Feature:
     In symbol and label of a family, "{number}" stands for the number.
     """
 
-    name, number, order, angle, directed, sees_tilt = "", 0, 2, False, False, False
+    name, number, index, order, angle, directed, sees_tilt = "", 0, 0, 2, False, False, False
     source, section, overlay, unit, symbol, label = "moments", "", "moments", "-", "", ""
     also_from: Tuple[str, ...] = ()
     settings_class: Optional[type] = None

@@ -7,12 +7,11 @@ An object without area raises DegenerateFeature. The tests check every row again
 moments.
 """
 
-from typing import Iterable, Mapping, Sequence, Tuple
+from typing import Iterable, List, Mapping, Sequence, Tuple
 
 import numpy as np
 
 from ..ground.errors import DegenerateFeature
-
 
 #: _NAME[i][j] is the name of the moment ij. Looking it up is faster than making the text each time.
 _NAME = tuple(tuple(f"{i}{j}" for j in range(10)) for i in range(10))
@@ -23,7 +22,7 @@ def _at(moments, i, j):
     return moments[_NAME[i][j]] if i >= 0 and j >= 0 else 0.0
 
 
-def _shape(m):
+def shape(m: Mapping[str, float]) -> Tuple[float, float, float, float, float]:
     """Centroid and n20, n11, n02 of raw moments m. Raises DegenerateFeature for an empty object."""
     area = m["00"]
     if not area > 0.0:
@@ -58,22 +57,19 @@ def raw_moment(m: Mapping[str, float], i: int, j: int, plane: Sequence[float]) -
     ])  # fmt: skip
 
 
-def centred_moment(m: Mapping[str, float], mu: Mapping[str, float], i: int, j: int,
-                   plane: Sequence[float]) -> np.ndarray:
-    """L of mu_ij, i + j >= 2 (T7); needs centred moments to order i + j + 1 and raw ones to order 2."""
-    return np.array(_centred_row(_shape(m), mu, i, j, plane))
-
-
 def centred_moments(m: Mapping[str, float], mu: Mapping[str, float], orders: Iterable[Tuple[int, int]],
                     plane: Sequence[float]) -> np.ndarray:
-    """L of several mu_ij, (k, 6): the rows of `centred_moment`. Args: orders: k pairs (i, j)."""
-    shape = _shape(m)
-    return np.array([_centred_row(shape, mu, i, j, plane) for i, j in orders])
+    """L of several mu_ij, (k, 6), i + j >= 2 (T7); needs centred moments to order i + j + 1 and raw ones to order 2.
+
+    Args: orders: k pairs (i, j).
+    """
+    about = shape(m)
+    return np.array([_centred_row(about, mu, i, j, plane) for i, j in orders])
 
 
-def _centred_row(shape, mu, i, j, plane):
+def _centred_row(about, mu, i, j, plane):
     A, B, C = plane
-    xg, yg, n20, n11, n02 = shape
+    xg, yg, n20, n11, n02 = about
     here, up_i, up_j = mu[_NAME[i][j]], mu[_NAME[i + 1][j]], mu[_NAME[i][j + 1]]
     down_i, to_j = (mu[_NAME[i - 1][j]], mu[_NAME[i - 1][j + 1]]) if i > 0 else (0.0, 0.0)
     down_j, to_i = (mu[_NAME[i][j - 1]], mu[_NAME[i + 1][j - 1]]) if j > 0 else (0.0, 0.0)
@@ -105,12 +101,13 @@ def _area_row(m, plane):
 
 def centroid(m: Mapping[str, float], plane: Sequence[float]) -> np.ndarray:
     """L of (xg, yg), (2, 6) (T8); needs raw moments to order 2."""
-    return np.array(_centroid_rows(m, plane))
+    return np.array(centroid_rows(shape(m), plane))
 
 
-def _centroid_rows(m, plane):
+def centroid_rows(about: Sequence[float], plane: Sequence[float]) -> List[List[float]]:
+    """L of (xg, yg). Args: about: as of `shape`."""
     A, B, C = plane
-    xg, yg, n20, n11, n02 = _shape(m)
+    xg, yg, n20, n11, n02 = about
     over_Zg = A * xg + B * yg + C
     return [
         [-over_Zg, 0.0, xg * over_Zg + 4 * (A * n20 + B * n11), xg * yg + 4 * n11, -(1 + xg * xg + 4 * n20), yg],
@@ -121,7 +118,7 @@ def _centroid_rows(m, plane):
 def normalised(m: Mapping[str, float], plane: Sequence[float], z_star_m: float, area_star: float) -> np.ndarray:
     """L of (xn, yn, an), (3, 6) (T9). Args: z_star_m, area_star: depth [m] and area m00 of the reference view (T4)."""
     a = m["00"]
-    L_a, (L_x, L_y) = _area_row(m, plane), _centroid_rows(m, plane)
+    L_a, (L_x, L_y) = _area_row(m, plane), centroid_rows(shape(m), plane)
     an = z_star_m * float(np.sqrt(area_star / a))
     slope, xg, yg = -(an / (2.0 * a)), m["10"] / a, m["01"] / a
     L_an = [slope * part for part in L_a]
@@ -132,7 +129,7 @@ def normalised(m: Mapping[str, float], plane: Sequence[float], z_star_m: float, 
 def orientation(m: Mapping[str, float], mu: Mapping[str, float], plane: Sequence[float]) -> np.ndarray:
     """L of alpha (T10); needs raw and centred moments to order 3. Raises DegenerateFeature for an isotropic object."""
     A, B, _ = plane
-    xg, yg, _, _, _ = _shape(m)
+    xg, yg, _, _, _ = shape(m)
     mu20, mu11, mu02 = mu["20"], mu["11"], mu["02"]
     mu30, mu21, mu12, mu03 = mu["30"], mu["21"], mu["12"], mu["03"]
     difference = mu20 - mu02

@@ -15,7 +15,7 @@ import numpy as np
 
 from ..ground.errors import DegenerateFeature
 from ..spatial import skew
-from .base import Feature, View, register_family
+from .base import Feature, View, register_each, register_family
 from ..palette import COOL, GREENS, PURPLES, WARM
 
 
@@ -99,26 +99,18 @@ class OfPoints(Feature):
         return self.number - 1
 
 
-@register_family("x")
-class PointX(OfPoints):
-    """x of a point [-]."""
+class _Coordinate(OfPoints):
+    """x or y of a point [-]."""
 
-    symbol, label, colour = "x_{number}", "point {number} in x", COOL
-    axis = 0
+    def value(self, view):
+        return view.shared(points)[self._ends(view)[0]][self.index]
 
-    def value(self, view: View) -> float:
-        return view.shared(points)[self._ends(view)[0]][self.axis]
-
-    def row(self, view: View) -> np.ndarray:
-        return view.shared(point_rows)[2 * self._ends(view)[0] + self.axis]
+    def row(self, view):
+        return view.shared(point_rows)[2 * self._ends(view)[0] + self.index]
 
 
-@register_family("y")
-class PointY(PointX):
-    """y of a point [-]."""
-
-    symbol, label, colour = "y_{number}", "point {number} in y", WARM
-    axis = 1
+register_each(_Coordinate, (("x", "x_{number}", "point {number} in x", COOL),
+                            ("y", "y_{number}", "point {number} in y", WARM)), family=True)
 
 
 class _OfSegment(OfPoints):
@@ -170,26 +162,18 @@ class SegmentDirection(_OfSegment):
         return (cosine * L_dy - sine * L_dx) / length
 
 
-@register_family("xm")
-class SegmentX(OfPoints):
-    """x of the middle of a segment [-]."""
+class _Middle(OfPoints):
+    """x or y of the middle of a segment [-]."""
 
-    symbol, label, colour = "x_m{number}", "middle of segment {number} in x", COOL
-    axis = 0
-
-    def value(self, view: View) -> float:
+    def value(self, view):
         seen = view.shared(points)
-        return 0.5 * sum(seen[end][self.axis] for end in self._ends(view))
+        return 0.5 * sum(seen[end][self.index] for end in self._ends(view))
 
-    def row(self, view: View) -> np.ndarray:
+    def row(self, view):
         here, following = self._ends(view)
         L = view.shared(point_rows)
-        return 0.5 * (L[2 * here + self.axis] + L[2 * following + self.axis])
+        return 0.5 * (L[2 * here + self.index] + L[2 * following + self.index])
 
 
-@register_family("ym")
-class SegmentY(SegmentX):
-    """y of the middle of a segment [-]."""
-
-    symbol, label, colour = "y_m{number}", "middle of segment {number} in y", WARM
-    axis = 1
+register_each(_Middle, (("xm", "x_m{number}", "middle of segment {number} in x", COOL),
+                        ("ym", "y_m{number}", "middle of segment {number} in y", WARM)), family=True)

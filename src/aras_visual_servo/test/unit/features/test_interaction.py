@@ -33,7 +33,7 @@ def test_raw_moment_matrix_is_the_derivative(seed, i, j):
 @pytest.mark.parametrize("i, j", [(2, 0), (1, 1), (0, 2), (3, 0), (2, 1), (1, 2), (0, 3)])
 def test_centred_moment_matrix_is_the_derivative(seed, i, j):
     X = tilted_pose(seed)
-    L = interaction.centred_moment(raw(X), centred(X), i, j, plane_of(X))
+    L = interaction.centred_moments(raw(X), centred(X), [(i, j)], plane_of(X))[0]
     assert_same(L, differences(lambda X: centred(X)[f"{i}{j}"], X))
 
 

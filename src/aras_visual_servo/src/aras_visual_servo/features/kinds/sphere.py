@@ -9,41 +9,22 @@ approach", IEEE T-RA 18(2), 2002; R. Tahri, Y. Mezouar, F. Chaumette, P. Corke, 
 for cameras obeying the unified projection model", IEEE T-RO 26(4), 2010.
 """
 
-from ..base import register_family
+from ..base import register_each
 from ...palette import COOL, GREENS, WARM
 from ..points import OfPoints, ray_rows, rays
 
 
-class _OnSphere(OfPoints):
-    axis = 0
+class _Ray(OfPoints):
+    """x, y or z of the ray to a point [-]."""
 
     def value(self, view):
         seen = view.shared(rays)
-        return float(seen[self._index(len(seen)), self.axis])
+        return float(seen[self._index(len(seen)), self.index])
 
     def row(self, view):
         L = view.shared(ray_rows)
-        return L[self._index(len(L)), self.axis]
+        return L[self._index(len(L)), self.index]
 
 
-@register_family("us")
-class SphereX(_OnSphere):
-    """x of the ray to a point [-]."""
-
-    symbol, label, colour = "u_{number}", "ray to point {number} in x", COOL
-
-
-@register_family("vs")
-class SphereY(_OnSphere):
-    """y of the ray to a point [-]."""
-
-    symbol, label, colour = "v_{number}", "ray to point {number} in y", WARM
-    axis = 1
-
-
-@register_family("ws")
-class SphereZ(_OnSphere):
-    """z of the ray to a point [-]."""
-
-    symbol, label, colour = "w_{number}", "ray to point {number} in z", GREENS
-    axis = 2
+register_each(_Ray, ((f"{letter}s", f"{letter}_{{number}}", f"ray to point {{number}} in {axis}", colour)
+                     for letter, axis, colour in zip("uvw", "xyz", (COOL, WARM, GREENS))), family=True)

@@ -17,29 +17,27 @@ unified projection model", IEEE T-RO 26(4), 2010.
 import numpy as np
 
 from ...ground.errors import DegenerateFeature
-from ..base import register_family, register_feature
+from ..base import register_each
 from ...palette import BLUE, GREEN, GREENS, NAVY, VERMILION
 from ..points import OfPoints, ray_rows, rays
 
 
 class _FirstOrder(OfPoints):
-    axis = 0
+    """Of the mean of the rays to the points (T72) [-]."""
 
     def value(self, view):
-        return float(view.shared(rays)[:, self.axis].mean())
+        return float(view.shared(rays)[:, self.index].mean())
 
     def row(self, view):
-        return view.shared(ray_rows)[:, self.axis].mean(axis=0)
+        return view.shared(ray_rows)[:, self.index].mean(axis=0)
 
 
-for _axis, (_name, _colour) in enumerate(zip("uvw", (BLUE, VERMILION, GREEN))):
-    register_feature(f"{_name}g")(type(f"{_name}g", (_FirstOrder,), {
-        "axis": _axis, "__doc__": f"{'xyz'[_axis]} of the mean of the rays to the points (T72) [-].",
-        "symbol": f"{_name}_g", "label": f"middle of the rays in {'xyz'[_axis]}", "colour": _colour}))
+register_each(_FirstOrder, ((f"{letter}g", f"{letter}_g", f"middle of the rays in {axis}", colour)
+                            for letter, axis, colour in zip("uvw", "xyz", (BLUE, VERMILION, GREEN))))
 
 
 class _Invariant(OfPoints):
-    """1 / sqrt(I) of the points but `number`, or of all for the number 0."""
+    """1 / sqrt(I) of the points but `number`, or of all for the number 0: an invariant to rotation (T72) [-]."""
 
     def _chosen(self, view):
         """Indices of the points. Raises DegenerateFeature: fewer than two are left."""
@@ -71,15 +69,5 @@ class _Invariant(OfPoints):
         return np.concatenate([-0.5 * total**-1.5 * dI, np.zeros(3)])
 
 
-@register_feature("is")
-class AllPoints(_Invariant):
-    """1 / sqrt(I) of all points: an invariant to rotation (T72) [-]."""
-
-    symbol, label, colour = "i_s", "rotation invariant of the rays", NAVY
-
-
-@register_family("is")
-class AllPointsButOne(_Invariant):
-    """1 / sqrt(I) of all points but one: an invariant to rotation (T72) [-]."""
-
-    symbol, label, colour = "i_{number}", "rotation invariant of the rays but {number}", GREENS
+register_each(_Invariant, [("is", "i_s", "rotation invariant of the rays", NAVY)])
+register_each(_Invariant, [("is", "i_{number}", "rotation invariant of the rays but {number}", GREENS)], family=True)

@@ -14,7 +14,7 @@ import numpy as np
 
 from ...ground.errors import DegenerateFeature
 from ...spatial import skew
-from ..base import View, register_family
+from ..base import View, register_each
 from ...palette import COOL, GREENS, WARM
 from ..points import OfPoints, rays
 
@@ -35,34 +35,17 @@ def direction(view: View, first: int) -> np.ndarray:
 
 
 class _Vanishing(OfPoints):
-    axis = 0
+    """x, y or z of the direction of a pair of sides [-]."""
+
+    def _direction(self, view):
+        return view.shared(direction, self._index(len(view.shared(rays))))
 
     def value(self, view):
-        return float(view.shared(direction, self._index(len(view.shared(rays))))[self.axis])
+        return float(self._direction(view)[self.index])
 
     def row(self, view):
-        d = view.shared(direction, self._index(len(view.shared(rays))))
-        return np.concatenate([np.zeros(3), skew(d)[self.axis]])
+        return np.concatenate([np.zeros(3), skew(self._direction(view))[self.index]])
 
 
-@register_family("vx")
-class VanishingX(_Vanishing):
-    """x of the direction of a pair of sides [-]."""
-
-    symbol, label, colour = "v_x{number}", "vanishing point of side {number} in x", COOL
-
-
-@register_family("vy")
-class VanishingY(_Vanishing):
-    """y of the direction of a pair of sides [-]."""
-
-    symbol, label, colour = "v_y{number}", "vanishing point of side {number} in y", WARM
-    axis = 1
-
-
-@register_family("vz")
-class VanishingZ(_Vanishing):
-    """z of the direction of a pair of sides [-]."""
-
-    symbol, label, colour = "v_z{number}", "vanishing point of side {number} in z", GREENS
-    axis = 2
+register_each(_Vanishing, ((f"v{axis}", f"v_{axis}{{number}}", f"vanishing point of side {{number}} in {axis}", colour)
+                           for axis, colour in zip("xyz", (COOL, WARM, GREENS))), family=True)

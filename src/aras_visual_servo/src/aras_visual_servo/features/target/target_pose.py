@@ -12,6 +12,7 @@ import numpy as np
 
 from ...ground.errors import DegenerateFeature
 from ...spatial import exponential
+from ..interaction import centroid_rows
 
 ORDER = 4  # of the predicted moments: rows of third order need it
 _I, _J = np.array([(i, k - i) for k in (2, 3) for i in range(k, -1, -1)]).T
@@ -78,10 +79,7 @@ class PlanarTarget:
         A, B, C = (normal / float(normal @ X_CT[:3, 3])).tolist()
         g = A * xg + B * yg + C
         L_area = np.array([-A, -B, 3.0 * g - C, 3.0 * yg, -3.0 * xg, 0.0])  # of ln(a)
-        L_x = np.array([-g, 0.0, xg * g + 4.0 * (A * n20 + B * n11), xg * yg + 4.0 * n11,
-                        -(1.0 + xg * xg + 4.0 * n20), yg])
-        L_y = np.array([0.0, -g, yg * g + 4.0 * (A * n11 + B * n02), 1.0 + yg * yg + 4.0 * n02,
-                        -xg * yg - 4.0 * n11, -xg])
+        L_x, L_y = np.array(centroid_rows((xg, yg, n20, n11, n02), (A, B, C)))
         L_mu = _centred_rows(mu, xg, yg, n20, n11, n02, (A, B, C))
         root, scale = a**-0.5, a**-_HALF_DEGREE
         measures, L, seven = np.empty(10), np.empty((10, 6)), mu[_I, _J]
