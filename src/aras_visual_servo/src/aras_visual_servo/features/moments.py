@@ -1,5 +1,5 @@
-"""Features of the target's moments (docs/theory.md T3, T4, T28): the default xn, yn, an, alpha, which are position, depth
-and orientation; and those of an ellipse, centroid xg, yg and normalised second-order moments n20, n11, n02.
+"""Features of the target's moments: the default xn, yn, an, alpha (docs/theory.md T3, T4), which are position, depth
+and orientation; and those of an ellipse (T28), centroid xg, yg and normalised second-order moments n20, n11, n02.
 
 For a filled ellipse the matrix of the n_ij has the eigenvalues a^2/4 and b^2/4, a and b being the half axes, along the
 axes of the ellipse. The interaction rows are those of moments, so they are exact for an object of any shape.

@@ -8,9 +8,9 @@ from bench import DT_S, Bench, config, resting
 from toy_plant import arm
 
 import aras_visual_servo as avs
-from aras_visual_servo.servo.law import SmoothStart
 from aras_visual_servo.servo.look_then_move import LookThenMove
 from aras_visual_servo.servo.stage import STAGES, Tick
+from aras_visual_servo.servo.stages import SmoothStart
 
 TWIST = np.array([0.1, -0.2, 0.3, 0.0, 0.1, 0.5])
 

@@ -9,8 +9,8 @@ from aras_visual_servo.features.base import FeatureSet
 from aras_visual_servo.ground.errors import ParameterError
 from aras_visual_servo.spatial import exponential, inverse, rotation_vector
 from aras_visual_servo.ground.types import FEATURE_NAMES, Reference, Status
-from aras_visual_servo.servo.creep import FASTEST, CreepCompensation
 from aras_visual_servo.servo.settings import ServoSettings
+from aras_visual_servo.servo.stages import FASTEST, CreepCompensation
 from aras_visual_servo.servo.stop_rule import GoalPose, StopRule, StopSettings
 
 #: Of the shipped experiments.
@@ -174,7 +174,7 @@ def test_compensation_is_bounded_and_forgets():
     for _ in range(200):  # a joint that sticks: told to go, and does not
         correction = compensation.correction(np.full(6, 0.01), np.eye(4), DT_S)
     np.testing.assert_allclose(correction, FASTEST)
-    compensation.clear()
+    compensation.rest(None)
     assert (compensation.correction(np.zeros(6), np.eye(4), DT_S) == 0.0).all()
 
 

@@ -10,7 +10,7 @@ from bench import Bench
 from aras_visual_servo.spatial import exponential, rotation
 from aras_visual_servo.ground.types import Status
 from aras_visual_servo.servo.arrival import DISPLACED, displaced_target
-from aras_visual_servo.servo.time_limit import FREE_S, Hindrance, TimeLimit
+from aras_visual_servo.servo.gates import FREE_S, Hindrance, TimeLimit
 from aras_visual_servo.servo.stage import Tick
 from aras_visual_servo.servo.stop_rule import StopSettings
 
