@@ -4,8 +4,8 @@ import numpy as np
 from toy_plant import Camera
 
 from aras_visual_servo.features import interaction
-from aras_visual_servo.features import View
-from aras_visual_servo.laws import Look
+from aras_visual_servo.features.base import View
+from aras_visual_servo.laws.look import Look
 
 
 STEP = 3e-6

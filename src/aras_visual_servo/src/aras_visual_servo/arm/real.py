@@ -157,8 +157,7 @@ class RealSettings:
         help="How much later than the exposure the stamps of the images are: drivers of USB cameras stamp an image "
              "when it has arrived.")
     max_joint_gap_s: float = setting(
-        0.05, unit="s", above=0,
-        help="Joint states farther apart than this are not interpolated between.")
+        0.05, unit="s", above=0, help="Joint states farther apart than this are not interpolated between.")
     max_extrapolation_s: float = setting(
         0.01, unit="s", at_least=0,
         help="An image at most this much later than the newest joint state is answered from the last two joint states; "
@@ -172,11 +171,9 @@ class RealSettings:
         help="The features are predicted from the time of the image to the time at which the command acts. Features of "
              "moments and points only.")
     command_delay_s: float = setting(
-        0.0, unit="s", at_least=0,
-        help="Time from a command to the motion of the joints; the prediction adds it.")
+        0.0, unit="s", at_least=0, help="Time from a command to the motion of the joints; the prediction adds it.")
     max_prediction_s: float = setting(
-        0.3, unit="s", above=0,
-        help="An image that would have to be predicted over a longer time is refused.")
+        0.3, unit="s", above=0, help="An image that would have to be predicted over a longer time is refused.")
     deadman: bool = setting(
         True,
         help="The arm moves only while `true` comes on the topic `deadman` (std_msgs/Bool); its end ends the goal.")
@@ -191,8 +188,7 @@ class RealSettings:
         5.0, unit="m/s^2, rad/s^2", above=0,
         help="Largest acceleration of a joint; stops are at once, and the drives brake as they can.")
     workspace: Optional[WorkspaceSettings] = setting(
-        None,
-        help="A box that the camera stays in; the arm brakes before it leaves it.")
+        None, help="A box that the camera stays in; the arm brakes before it leaves it.")
 
     def check(self) -> Iterator[str]:
         """The form is known and has the controllers that it needs."""

@@ -27,9 +27,7 @@ class BroydenSettings:
     forgetting: float = setting(
         0.95, above=0, at_most=1,
         help="Factor rho by which each image reduces the weight of earlier ones (T32); 1: nothing is forgotten.")
-    move: float = setting(
-        0.01, above=0,
-        help="Size of a test move: an angle in radians, a translation in parts of Z*.")
+    move: float = setting(0.01, above=0, help="Size of a test move: an angle in radians, a translation in parts of Z*.")
 
 
 @register_law("broyden", settings=BroydenSettings)

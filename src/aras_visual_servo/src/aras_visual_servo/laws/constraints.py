@@ -26,8 +26,7 @@ class WallSettings:
     """A plane that the camera stays on one side of."""
 
     normal: Tuple[float, ...] = setting(
-        size=3, condition=NOT_ZERO,
-        help="Direction away from the wall, in the robot's base, of any length.")
+        size=3, condition=NOT_ZERO, help="Direction away from the wall, in the robot's base, of any length.")
     offset_m: float = setting(
         unit="m",
         help="Distance of the wall from the base's origin along the normal; the optical centre stays beyond it.")
@@ -43,11 +42,9 @@ class ConstraintSettings:
              "the followed points stay, or without points the object; left out: no constraint.")
     half_height: Optional[float] = setting(None, above=0, help="Half the height of the view, likewise.")
     margin: float = setting(
-        0.05, at_least=0,
-        help="Margin kept to the border of the view, in normalised image coordinates.")
+        0.05, at_least=0, help="Margin kept to the border of the view, in normalised image coordinates.")
     extent: float = setting(
-        2.0, above=0,
-        help="Without points: the object ends this many standard deviations from its centroid.")
+        2.0, above=0, help="Without points: the object ends this many standard deviations from its centroid.")
     least_depth_m: float = setting(
         0.1, unit="m", above=0,
         help="No followed point, or without points the object's centroid, comes nearer along the optical axis.")
@@ -56,8 +53,7 @@ class ConstraintSettings:
         help="Planes by a name of your choice, e.g. `{table: {normal: [0, 0, 1], offset_m: 0.2}}`: the camera stays on "
              "the side that the normal points to.")
     rate_per_s: float = setting(
-        5.0, unit="1/s", above=0,
-        help="Room to a border or wall is used up at this rate at most.")
+        5.0, unit="1/s", above=0, help="Room to a border or wall is used up at this rate at most.")
     slack: bool = setting(
         True,
         help="Where no motion within the limits of the joints keeps the view and the walls: `true` takes the one that "

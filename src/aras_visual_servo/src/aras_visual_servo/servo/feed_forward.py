@@ -42,15 +42,12 @@ class FeedForwardSettings:
              "as well.")
     acceleration_rad_s2: float = setting(1.0, unit="rad/s^2", above=0, help="The same of their turn.")
     noise_m: float = setting(
-        0.0003, unit="m", above=0,
-        help="Noise of the place that one image gives the goal (standard deviation).")
+        0.0003, unit="m", above=0, help="Noise of the place that one image gives the goal (standard deviation).")
     noise_rad: float = setting(0.001, unit="rad", above=0, help="Noise of the attitude that one image gives it.")
     speed_m_s: float = setting(
-        0.1, unit="m/s", above=0,
-        help="Speed of targets like this one, before anything was seen (standard deviation).")
+        0.1, unit="m/s", above=0, help="Speed of targets like this one, before anything was seen (standard deviation).")
     turn_rad_s: float = setting(
-        0.3, unit="rad/s", above=0,
-        help="Turn of targets like this one, before anything was seen.")
+        0.3, unit="rad/s", above=0, help="Turn of targets like this one, before anything was seen.")
     part: float = setting(1.0, at_least=0, at_most=1, help="Part of the estimated motion that is fed forward.")
 
 

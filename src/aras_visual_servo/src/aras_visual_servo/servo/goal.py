@@ -7,7 +7,7 @@ import numpy as np
 
 from ..arm.kinematics import RobotKinematics
 from ..features.base import FeatureSet, View
-from ..features.sources import source_named
+from ..features.sources.base import source_named
 from ..ground.errors import DegenerateFeature, ParameterError
 from ..ground.types import Reference
 from .stop_rule import GoalPose

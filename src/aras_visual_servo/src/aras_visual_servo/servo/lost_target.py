@@ -41,12 +41,10 @@ class LostTargetSettings:
     """Section `servo.lost_target`: how the arm backs off or searches, where `on_lost` says so."""
 
     patience_s: float = setting(
-        0.1, unit="s", at_least=0,
-        help="The arm holds still for this long first: something may have passed by.")
+        0.1, unit="s", at_least=0, help="The arm holds still for this long first: something may have passed by.")
     speed: float = setting(0.5, unit="m/s, rad/s", above=0, help="Speed of the fastest joint.")
     confirm_s: float = setting(
-        0.2, unit="s", at_least=0,
-        help="The target has to be seen for this long before the law takes over again.")
+        0.2, unit="s", at_least=0, help="The target has to be seen for this long before the law takes over again.")
     slow_down: float = setting(
         0.5, above=0, at_most=1,
         help="The twist of the law is multiplied by this after each recovery, so that what overshot does not do so "

@@ -5,7 +5,7 @@ import pytest
 import round_views as rounds
 from views import assert_same, differences, exponential, parallel_pose, plane_of, tilted_pose, view
 
-from aras_visual_servo.features import source_named
+from aras_visual_servo.features.sources.base import source_named
 from aras_visual_servo.features.base import FeatureSet, View
 from aras_visual_servo.ground.errors import DegenerateFeature
 from aras_visual_servo.ground.types import Features, Reference

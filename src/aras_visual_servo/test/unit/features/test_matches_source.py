@@ -4,7 +4,8 @@ views that do not match."""
 import numpy as np
 import pytest
 
-from aras_visual_servo.features import FeatureSet, source_named
+from aras_visual_servo.features.base import FeatureSet
+from aras_visual_servo.features.sources.base import source_named
 from aras_visual_servo.features.base import View
 from aras_visual_servo.ground.errors import ParameterError
 from aras_visual_servo.ground.types import Features, Status

@@ -11,8 +11,8 @@ from aras_visual_servo_controller.bags.record_groups import group_of
 from aras_visual_servo.config.files import resolve_uri
 from aras_visual_servo.features import base as features
 from aras_visual_servo.features.sources import base as sources
-from aras_visual_servo.features import (Feature, FeatureSet, Source, Taught, known_sources, register_feature,
-                                        register_source, source_named)
+from aras_visual_servo.features.base import Feature, FeatureSet, register_feature
+from aras_visual_servo.features.sources.base import Source, Taught, known_sources, register_source, source_named
 from aras_visual_servo.ground.errors import ParameterError
 from aras_visual_servo.ground.types import Features, Observation, Status
 from aras_visual_servo.scenario.check import check

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from matplotlib.mathtext import MathTextParser
 
-from aras_visual_servo.features import (Feature, base, expand, known_features, register_family,
-                                        register_feature, spread, styles)
+from aras_visual_servo.features.base import Feature, expand, known_features, register_family, register_feature, spread
+from aras_visual_servo.features import base
+from aras_visual_servo.features.style import styles
 from aras_visual_servo.palette import LEAST_DISTANCE, PALETTE, distance, oklab, rgb, spare
 from aras_visual_servo.features.style import units
 

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from aras_visual_servo.features import FeatureSet, source_named
+from aras_visual_servo.features.base import FeatureSet
+from aras_visual_servo.features.sources.base import source_named
 from aras_visual_servo.spatial import quaternion_xyzw
 from aras_visual_servo.ground.types import Features, Status
 from aras_visual_servo.runs.loop import ServoLoop

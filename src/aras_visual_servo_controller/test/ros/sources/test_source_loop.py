@@ -10,7 +10,7 @@ import rospy
 from test_closed_loop import ClosedLoop
 
 from aras_visual_servo_controller.bags.replay import NOT_COMPARED, same
-from aras_visual_servo.features import FeatureSet, source_named
+from aras_visual_servo import FeatureSet, source_named
 from aras_visual_servo.scenario.scenario import load_scenario
 
 

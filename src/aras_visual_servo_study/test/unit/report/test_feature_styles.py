@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from synthetic import SETTINGS, make_record
 
 import aras_visual_servo_controller
-from aras_visual_servo.features import expand, styles
+from aras_visual_servo import expand, styles
 from aras_visual_servo.ground.types import FEATURE_NAMES
 from aras_visual_servo_study.report.figure import draw_panel
 from aras_visual_servo_study.report.page import report_html

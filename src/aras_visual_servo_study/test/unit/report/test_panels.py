@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d import Axes3D
 from synthetic import X_WCG, make_record
 
-from aras_visual_servo.features import styles
+from aras_visual_servo import styles
 from aras_visual_servo_study.report.figure import draw_panel
 from aras_visual_servo_study.report.pictures import image_of
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from views import exponential, plane_of, tilted_pose
 
-from aras_visual_servo.features import source_named
+from aras_visual_servo.features.sources.base import source_named
 from aras_visual_servo.features.base import FeatureSet, View
 from aras_visual_servo.features.target.solid_points import SolidPoints
 from aras_visual_servo.ground.errors import DegenerateFeature
