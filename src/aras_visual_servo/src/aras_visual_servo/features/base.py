@@ -4,21 +4,12 @@
     s = features.values(View(moment_features))                  # (k,)
     L = features.matrix(View(moment_features, plane))           # (k, 6), s_dot = L V_C
 
-A new feature is a subclass with a name. It computes its value and its row of the interaction matrix from a `View`:
-
-    @register_feature("elongation")
-    class Elongation(Feature):
-        order, sees_tilt = 3, True
-        def value(self, view): ...
-        def row(self, view): ...
+A new feature is a subclass with a name, which computes its value and its row of the interaction matrix from a `View`.
+One with settings of its own, the section `servo.NAME` of the scenario, finds them as `self.settings`
+(docs/extending.md).
 
 The measurements of an image come as `MomentFeatures`, with raw and centred moments by name "ij". The plane of the
 target is (A, B, C) of 1/Z = A x + B y + C in the camera frame [1/m] (docs/theory.md T5).
-
-A feature with settings of its own describes them as a frozen dataclass (config/settings.py) and finds them as
-`self.settings`; they are read from the section `servo.NAME` of the scenario:
-
-    @register_feature("elongation", settings=ElongationSettings)
 """
 
 import re
@@ -27,7 +18,7 @@ from typing import Any, Callable, Dict, Iterable, List, Mapping, Optional, Seque
 import numpy as np
 
 from . import interaction
-from ..config.settings import keys_of, settings_of
+from ..config.settings import register, settings_of
 from ..ground.errors import DegenerateFeature, ParameterError
 from ..ground.registry import Registry, unknown_name
 from ..ground.types import FEATURE_NAMES
@@ -40,25 +31,16 @@ _NUMBERED = re.compile(r"([a-z]+)([1-9][0-9]?)")
 
 
 def register_feature(name: str, settings: Optional[type] = None) -> Callable[[Type[F]], Type[F]]:
-    """Returns a class decorator that makes a feature known by name.
-
-    Args: settings: settings class of the feature's own section `servo.NAME`, or None.
-    Raises ParameterError: `settings` is not a frozen dataclass whose fields are made by `setting`.
-    """
-    if settings is not None:
-        keys_of(settings)
-    return FEATURES.register(name, name=name, section=name, settings_class=settings)
+    """Returns a class decorator that makes a feature known by name. Args and errors: of `settings.register`."""
+    return register(FEATURES, name, settings, name=name, section=name)
 
 
 def register_family(prefix: str, settings: Optional[type] = None) -> Callable[[Type[F]], Type[F]]:
     """Returns a class decorator for a family of features: `prefix` and a number from 1 to 99, as in x1, x2, ...
 
-    The class finds the number as `self.number`.
-    Args: settings: as of `register_feature`; all members of the family share the section `servo.PREFIX`.
+    The class finds the number as `self.number`; all members share the section `servo.PREFIX`.
     """
-    if settings is not None:
-        keys_of(settings)
-    return FAMILIES.register(prefix, section=prefix, settings_class=settings)
+    return register(FAMILIES, prefix, settings, section=prefix)
 
 
 def register_each(base: Type["Feature"], table: Iterable[Tuple[str, str, str, Any]], first: int = 0,
@@ -67,10 +49,10 @@ def register_each(base: Type["Feature"], table: Iterable[Tuple[str, str, str, An
 
     The subclasses have these attributes, and `index` first, first + 1, ...
     """
-    register = register_family if family else register_feature
+    registered = register_family if family else register_feature
     for index, (name, symbol, label, colour) in enumerate(table, first):
         look = {"symbol": symbol, "label": label, "colour": colour}
-        register(name)(type(name, (base,), {"index": index, **look, **attributes}))
+        registered(name)(type(name, (base,), {"index": index, **look, **attributes}))
 
 
 def feature_settings() -> Dict[str, type]:
@@ -123,6 +105,11 @@ def spread(values: Mapping[str, T]) -> Dict[str, T]:
 def _area_row(view):
     """L of a = m00 (T8)."""
     return interaction.area(view.m, view.plane)
+
+
+def _centroid_rows(view):
+    """L of (xg, yg) (T8)."""
+    return interaction.centroid(view.m, view.plane)
 
 
 def _mu_row(view, i, j):
@@ -183,6 +170,10 @@ class View:
     def L_area(self) -> np.ndarray:
         """L of a = m00, (6,)."""
         return self.shared(_area_row)
+
+    def L_centroid(self) -> np.ndarray:
+        """L of (xg, yg), (2, 6)."""
+        return self.shared(_centroid_rows)
 
     def L_mu(self, i: int, j: int) -> np.ndarray:
         """L of mu_ij, (6,)."""

@@ -17,11 +17,6 @@ from ..ground.errors import DegenerateFeature
 _NAME = tuple(tuple(f"{i}{j}" for j in range(10)) for i in range(10))
 
 
-def _at(moments, i, j):
-    """m_ij, and 0 for a negative i or j, which the formulas only ever multiply by zero."""
-    return moments[_NAME[i][j]] if i >= 0 and j >= 0 else 0.0
-
-
 def shape(m: Mapping[str, float]) -> Tuple[float, float, float, float, float]:
     """Centroid and n20, n11, n02 of raw moments m. Raises DegenerateFeature for an empty object."""
     area = m["00"]
@@ -41,20 +36,6 @@ def plane_from_pose(normal_C: Sequence[float], point_C: Sequence[float]) -> np.n
     if distance == 0.0:
         raise DegenerateFeature("plane: passes through the optical centre, so the camera sees it as a line")
     return normal / distance
-
-
-def raw_moment(m: Mapping[str, float], i: int, j: int, plane: Sequence[float]) -> np.ndarray:
-    """L of m_ij (T6); needs raw moments to order i + j + 1."""
-    A, B, C = plane
-    k = i + j + 3
-    return np.array([
-        -(i + 1) * A * _at(m, i, j) - i * B * _at(m, i - 1, j + 1) - i * C * _at(m, i - 1, j),
-        -j * A * _at(m, i + 1, j - 1) - (j + 1) * B * _at(m, i, j) - j * C * _at(m, i, j - 1),
-        k * (A * _at(m, i + 1, j) + B * _at(m, i, j + 1)) + (k - 1) * C * _at(m, i, j),
-        k * _at(m, i, j + 1) + j * _at(m, i, j - 1),
-        -k * _at(m, i + 1, j) - i * _at(m, i - 1, j),
-        i * _at(m, i - 1, j + 1) - j * _at(m, i + 1, j - 1),
-    ])  # fmt: skip
 
 
 def centred_moments(m: Mapping[str, float], mu: Mapping[str, float], orders: Iterable[Tuple[int, int]],
@@ -145,12 +126,6 @@ def orientation(m: Mapping[str, float], mu: Mapping[str, float], plane: Sequence
     return np.array([p * A + q * B, -r * A - p * B, -A * wy + B * wx, wx, wy, -1.0])
 
 
-def features(m: Mapping[str, float], mu: Mapping[str, float], plane: Sequence[float], z_star_m: float,
-             area_star: float) -> np.ndarray:
-    """L of s = (xn, yn, an, alpha), (4, 6): rows of `normalised` and `orientation`."""
-    return np.vstack([normalised(m, plane, z_star_m, area_star), orientation(m, mu, plane)])
-
-
 def times(factor: complex, row: np.ndarray) -> np.ndarray:
     """factor * row, (n,) complex.
 
@@ -164,15 +139,10 @@ def times(factor: complex, row: np.ndarray) -> np.ndarray:
     return product
 
 
-def parallel(xn: float, yn: float) -> np.ndarray:
-    """L of s for a target parallel to the image, columns (vx, vy, vz, wz), (4, 4): exact at any depth (T11).
-
-    References: the published eq. (16).
-    """
-    return np.array([[-1.0, 0.0, 0.0, yn], [0.0, -1.0, 0.0, -xn], [0.0, 0.0, -1.0, 0.0], [0.0, 0.0, 0.0, -1.0]])
-
-
 def parallel_condition(xn: float, yn: float) -> float:
-    """Condition number of `parallel(xn, yn)`, in closed form: its determinant is 1."""
+    """Condition number of the published L, eq. (16), of a target parallel to the image (T11), in closed form.
+
+    L has the columns (vx, vy, vz, wz) and the determinant 1; it is exact at any depth.
+    """
     r2 = xn * xn + yn * yn
     return 0.5 * (2.0 + r2 + (r2 * (r2 + 4.0)) ** 0.5)

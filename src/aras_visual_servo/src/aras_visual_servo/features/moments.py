@@ -42,10 +42,6 @@ class Alpha(Feature):
         return interaction.orientation(view.m, view.mu, view.plane)
 
 
-def _centroid_rows(view):
-    return interaction.centroid(view.m, view.plane)
-
-
 class _Centroid(Feature):
     """x or y of the centroid (T2, T8) [-]."""
 
@@ -53,7 +49,7 @@ class _Centroid(Feature):
         return getattr(view.features, self.name)
 
     def row(self, view):
-        return view.shared(_centroid_rows)[self.index]
+        return view.L_centroid()[self.index]
 
 
 register_each(_Centroid, (("xg", "x_g", "centroid in x", BLUE), ("yg", "y_g", "centroid in y", VERMILION)))

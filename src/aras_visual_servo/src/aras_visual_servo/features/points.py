@@ -15,7 +15,7 @@ import numpy as np
 
 from ..ground.errors import DegenerateFeature
 from ..spatial import skew
-from .base import Feature, View, register_each, register_family
+from .base import Feature, View, register_each
 from ..palette import COOL, GREENS, PURPLES, WARM
 
 
@@ -84,6 +84,10 @@ def ray_rows(view: View) -> np.ndarray:
     return L
 
 
+#: Attributes of a direction. Points have an order, so it is known to 2 pi.
+DIRECTION = {"unit": "rad", "angle": True, "directed": True}
+
+
 class OfPoints(Feature):
     sees_tilt, overlay, also_from = True, "points", ("matches", "tag")
 
@@ -113,16 +117,13 @@ register_each(_Coordinate, (("x", "x_{number}", "point {number} in x", COOL),
                             ("y", "y_{number}", "point {number} in y", WARM)), family=True)
 
 
-class _OfSegment(OfPoints):
-    """Base class of features of the vector (dx, dy) from a point to the next one.
-
-    A subclass gives `_value(dx, dy)` and `_row(cosine, sine, length, L_dx, L_dy)`, where cosine and sine are those of
-    the vector's direction and L_dx, L_dy, (6,), are the rows of dx and dy.
-    """
+class _Segment(OfPoints):
+    """Length of a segment [-] (index 0), or its direction, from its first point to the next [rad] (index 1)."""
 
     def value(self, view):
         (x, y), (x_next, y_next) = (view.shared(points)[end] for end in self._ends(view))
-        return self._value(x_next - x, y_next - y)
+        dx, dy = x_next - x, y_next - y
+        return atan2(dy, dx) if self.index else hypot(dx, dy)
 
     def row(self, view):
         here, following = self._ends(view)
@@ -131,35 +132,13 @@ class _OfSegment(OfPoints):
         length = hypot(dx, dy)
         if not length > 0.0:
             raise DegenerateFeature(f"{self.name}: the segment has no length, two followed points coincide")
+        cosine, sine = dx / length, dy / length
         L_dx, L_dy = L[2 * following] - L[2 * here], L[2 * following + 1] - L[2 * here + 1]
-        return self._row(dx / length, dy / length, length, L_dx, L_dy)
+        return (cosine * L_dy - sine * L_dx) / length if self.index else cosine * L_dx + sine * L_dy
 
 
-@register_family("l")
-class SegmentLength(_OfSegment):
-    """Length of a segment [-]."""
-
-    symbol, label, colour = "l_{number}", "length of segment {number}", GREENS
-
-    def _value(self, dx, dy):
-        return hypot(dx, dy)
-
-    def _row(self, cosine, sine, length, L_dx, L_dy):
-        return cosine * L_dx + sine * L_dy
-
-
-@register_family("alpha")
-class SegmentDirection(_OfSegment):
-    """Direction of a segment, from its first point to the next [rad]. Points have an order, so it is known to 2 pi."""
-
-    unit, symbol, label, colour = "rad", "α_{number}", "direction of segment {number}", PURPLES
-    angle = directed = True
-
-    def _value(self, dx, dy):
-        return atan2(dy, dx)
-
-    def _row(self, cosine, sine, length, L_dx, L_dy):
-        return (cosine * L_dy - sine * L_dx) / length
+register_each(_Segment, [("l", "l_{number}", "length of segment {number}", GREENS)], family=True)
+register_each(_Segment, [("alpha", "α_{number}", "direction of segment {number}", PURPLES)], 1, True, **DIRECTION)
 
 
 class _Middle(OfPoints):

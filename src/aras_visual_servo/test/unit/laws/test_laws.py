@@ -4,11 +4,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from views import look_at
+from views import look_at, parallel
 
 from aras_visual_servo.ground.errors import NotFiniteError, ParameterError, ShapeError
 from aras_visual_servo.features.base import wrapped
-from aras_visual_servo.features.interaction import parallel
 from aras_visual_servo.laws.base import Law, LawSetup, known_laws, make_law, register_law
 
 GAINS = (3.0, 2.0, 4.0, 1.5)

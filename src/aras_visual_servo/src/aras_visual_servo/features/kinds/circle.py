@@ -8,9 +8,8 @@ Of a sphere: the direction c in which its centre is seen, over the sine of the a
 That is the place of the centre in radii, O / R, so that a translation of the camera moves it straight and a turn turns
 it rigidly (T71). The sphere's depth is that of the target's plane, which is taught as passing through its centre.
 
-References: B. Espiau, F. Chaumette, P. Rives, "A new approach to visual servoing in robotics", IEEE T-RA 8(3), 1992
-(circles). R. T. Fomena, F. Chaumette, "Improvements on visual servoing from spherical targets using a spherical
-projection model", IEEE T-RO 25(4), 2009 (spheres).
+Reference for circles: B. Espiau, F. Chaumette, P. Rives, "A new approach to visual servoing in robotics", IEEE T-RA
+8(3), 1992.
 """
 
 from math import pi, sqrt

@@ -1,8 +1,6 @@
 """Pose of a known planar target from the moments of its image: least squares by Gauss-Newton (docs/theory.md T24).
 
-An image is described by ten measures: x_g/sqrt(a), y_g/sqrt(a), ln(sqrt(a)) and mu_ij / a^((i+j+2)/2) to third order.
-All but ln(sqrt(a)) are free of scale. For a given pose they are predicted by projecting the target's outline. Their
-interaction matrix (T7, T8) says which twist explains the difference between measured and predicted values.
+The ten measures of an image are x_g/sqrt(a), y_g/sqrt(a), ln(sqrt(a)) and mu_ij / a^((i+j+2)/2) to third order.
 """
 
 from math import log
@@ -13,6 +11,7 @@ import numpy as np
 from ...ground.errors import DegenerateFeature
 from ...spatial import exponential
 from ..interaction import centroid_rows
+from .points_pose import gauss_newton
 
 ORDER = 4  # of the predicted moments: rows of third order need it
 _I, _J = np.array([(i, k - i) for k in (2, 3) for i in range(k, -1, -1)]).T
@@ -95,12 +94,7 @@ class PlanarTarget:
         Returns: (X_CT, largest residual of a measure before the step, condition number of the matrix).
         """
         measures, L = self.predicted(X_CT)
-        left = measured - measures
-        U, sigmas, Vt = np.linalg.svd(L, full_matrices=False)
-        if not sigmas[-1] > 1e-6 * sigmas[0]:
-            raise DegenerateFeature("pose of the target: this view does not determine it")
-        twist = ((left @ U) / sigmas) @ Vt
-        return exponential(-twist) @ X_CT, float(np.abs(left).max()), float(sigmas[0] / sigmas[-1])
+        return gauss_newton(X_CT, L, measured - measures)[:3]
 
     @staticmethod
     def measured(features: Any) -> np.ndarray:
