@@ -13,7 +13,6 @@ import numpy as np
 
 from ..features.base import View
 from ..config.settings import setting
-from ..features.interaction import centroid
 from ..features.points import point_rows, points
 from ..ground.errors import DegenerateFeature
 
@@ -143,21 +142,24 @@ def _in_view(view, axis, half, extent):
         rows = view.shared(point_rows)[axis::2]
         low, high, L_low, L_high = at, at, rows, rows
     else:
-        low, high, L_low, L_high = _edges(view, axis, extent)
+        low, high, L_low, L_high = edges(view, axis, extent)
     names = _names(followed, *(f"at the {border} border" for border in BORDERS[2 * axis:2 * axis + 2]))
-    return Rooms(names, np.concatenate([half + low, half - high]), np.concatenate([L_low, -L_high]))
+    return Rooms(names, np.hstack([half + low, half - high]), np.vstack([L_low, -L_high]))
 
 
-def _edges(view, axis, extent):
-    """(low, high, L of low, L of high), of shapes (1,) and (1, 6): where the object begins and ends along an axis."""
+def edges(view: View, axis: int, extent: float) -> Tuple[float, float, np.ndarray, np.ndarray]:
+    """(low, high, L of low, L of high), L of shape (6,): where the object begins and ends along x (axis 0) or y (1).
+
+    Args: extent: standard deviations from its centroid to its edges.  Raises DegenerateFeature: it has no extent.
+    """
     i, j = ((2, 0), (0, 2))[axis]
     area, n = view.features.area, view.mu[f"{i}{j}"] / view.features.area
     if not n > 0.0:
         raise DegenerateFeature("constraints: the object has no extent in this view")
-    at, L = (view.features.xg, view.features.yg)[axis], centroid(view.m, view.plane)[axis]
+    at, L = (view.features.xg, view.features.yg)[axis], view.L_centroid()[axis]
     spread = extent * n**0.5
     L_spread = (view.L_mu(i, j) - n * view.L_area()) / area * (0.5 * extent / n**0.5)
-    return (np.array([at - spread]), np.array([at + spread]), (L - L_spread)[None], (L + L_spread)[None])
+    return at - spread, at + spread, L - L_spread, L + L_spread
 
 
 def _before_walls(planes, X_BC):
