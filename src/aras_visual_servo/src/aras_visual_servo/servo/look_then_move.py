@@ -24,8 +24,7 @@ _MOVING = (Status.SERVOING, Status.JOINT_LIMIT, Status.NEAR_SINGULARITY)
 class LookThenMove(Stage):
     """The moves of the set-points, one after the other.
 
-    Attributes:
-        set_point: (n,) joint set-points as commanded last, None until they are known.
+    Attributes: set_point: (n,) joint set-points as commanded last, None until they are known.
     """
 
     def __init__(self, kinematics: RobotKinematics, arm: ArmMotion, config: Any, arrival: Arrival, hindrance: Hindrance,

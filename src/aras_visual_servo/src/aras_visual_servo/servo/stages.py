@@ -130,10 +130,8 @@ class Tilt(Stage):
 class CreepCompensation(Stage):
     """Friction compensation: keeps joints that creep against dry friction from holding an error near the goal.
 
-    A position controller that pushes a joint against dry friction rests with its set-point ahead of the joint, by the
-    lag F / p. Its integral works that lag off, and so the joint creeps, by i/p of the lag per second. The law only sees
-    an error of creep / lambda that stays (T62). But the joints tell what the law cannot see: how far the camera really
-    moved, beside how far it was told to. The difference is worked off at `creep_rate_per_s`.
+    Such joints creep, and the law only sees an error of creep / lambda that stays. But the joints tell how far the
+    camera really moved, beside how far it was told to. The difference is worked off at `creep_rate_per_s` (T62).
 
     Far from the goal this difference is the delay of the arm, which is not to be corrected, so it counts from near the
     goal on. It is bounded, so that a joint that sticks does not shoot ahead when it comes free.
