@@ -10,7 +10,7 @@ fields. A simulated arm in lockstep does not read the section.
 
 from dataclasses import dataclass
 from math import inf
-from typing import Any, Callable, Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple, Type, TypeVar
+from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple, Type, TypeVar
 
 import numpy as np
 
@@ -77,31 +77,28 @@ class Form:
         """Returns the messages for these set-points."""
         raise NotImplementedError
 
-    def _numbers(self, joint_names: Sequence[str], values: Iterable[float]) -> List[Message]:
+
+class JointNumbers(Form):
+    """One number per joint: the attribute of the set-points that has the name of the form."""
+
+    def messages(self, point: SetPoint) -> List[Message]:
         """Returns one message for all joints if they share a controller, else one for each."""
-        settings = self._settings
+        settings, data = self._settings, [float(value) for value in getattr(point, self.name)]
         if settings.controller:
-            data = [float(value) for value in values]
             return [Message(f"{settings.controller}/command", "std_msgs/Float64MultiArray", {"data": data})]
-        names = [settings.joint_controllers.get(name, f"{name}_controller") for name in joint_names]
-        return [Message(f"{controller}/command", "std_msgs/Float64", {"data": float(value)})
-                for controller, value in zip(names, values)]
+        names = [settings.joint_controllers.get(name, f"{name}_controller") for name in point.joint_names]
+        return [Message(f"{controller}/command", "std_msgs/Float64", {"data": value})
+                for controller, value in zip(names, data)]
 
 
 @register_form("position")
-class Position(Form):
+class Position(JointNumbers):
     """One position per joint [m or rad]: JointPositionController, or JointGroupPositionController for all joints."""
-
-    def messages(self, point: SetPoint) -> List[Message]:
-        return self._numbers(point.joint_names, point.position)
 
 
 @register_form("velocity")
-class Velocity(Form):
+class Velocity(JointNumbers):
     """One velocity per joint [m/s or rad/s]: JointVelocityController, or JointGroupVelocityController for all."""
-
-    def messages(self, point: SetPoint) -> List[Message]:
-        return self._numbers(point.joint_names, point.velocity)
 
 
 @register_form("trajectory")

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from aras_visual_servo.arm.chatter import Chatter
+from aras_visual_servo.arm.motion import Chatter
 
 LIMIT = np.array([5.0, 5.0, np.inf])
 
