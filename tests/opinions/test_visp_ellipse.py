@@ -5,7 +5,7 @@ from views import exponential, plane_of, tilted_pose
 from visp import visp_servo
 
 import aras_visual_servo as avs
-from aras_visual_servo.laws import LawSetup, make_law
+from aras_visual_servo.laws.base import LawSetup, make_law
 
 CASES = 30
 #: Of a twist's length. Rounding times the condition of what is inverted.

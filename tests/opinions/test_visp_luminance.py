@@ -15,7 +15,7 @@ from visp import visp_servo
 
 import aras_visual_servo_camera as camera
 import aras_visual_servo as avs
-from aras_visual_servo.laws import LawSetup, make_law
+from aras_visual_servo.laws.base import LawSetup, make_law
 from aras_visual_servo.laws.photometric import PhotometricSettings
 
 CASES = 60

@@ -10,7 +10,7 @@ from views import exponential, look_at, plane_of, tilted_pose
 from visp import visp_servo
 
 import aras_visual_servo as avs
-from aras_visual_servo.laws import LawSetup, make_law
+from aras_visual_servo.laws.base import LawSetup, make_law
 from aras_visual_servo.laws.base import adaptive_factor
 from aras_visual_servo.laws.setup import AdaptiveGainSettings
 

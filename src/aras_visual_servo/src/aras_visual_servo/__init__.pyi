@@ -91,8 +91,8 @@ from .features.base import expand as expand
 from .features.base import feature_class as feature_class
 from .features.base import spread as spread
 from .features.interaction import plane_from_pose as plane_from_pose
-from .features.sources import known_sources as known_sources
-from .features.sources import source_named as source_named
+from .features.sources.base import known_sources as known_sources
+from .features.sources.base import source_named as source_named
 from .features.style import styles as styles
 from .features.style import units as units
 from .features.target.outline import Outline as Outline

@@ -18,6 +18,11 @@ def look_at(features, dt_s=0.0, plane=None, X_CgC=None, applied=None):
     return Look(View(features, plane), dt_s, X_CgC, applied)
 
 
+def parallel(xn, yn):
+    """L of a target parallel to the image, columns (vx, vy, vz, wz), (4, 4): the published eq. (16)."""
+    return np.array([[-1.0, 0.0, 0.0, yn], [0.0, -1.0, 0.0, -xn], [0.0, 0.0, -1.0, 0.0], [0.0, 0.0, 0.0, -1.0]])
+
+
 def tilted_pose(seed):
     """Camera about 0.6 m above the target, tilted by up to 0.35 rad about x and y, anywhere about its axis."""
     rng = np.random.default_rng(seed)

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any, Dict, NamedTuple, Optional, Sequence, Tup
 import numpy as np
 
 from .kinematics import RobotKinematics
-from .chatter import Chatter
 from .limits import accelerated, braking_factor, joint_bounds, limit_factors, position_factor, velocity_factor
 from .redundancy import TwistInverse, Wish, norm_part
 from ..ground.types import Reference, Status
@@ -21,6 +20,11 @@ LOST_PART, LOST_FLOOR = 0.1, 1e-3
 LIMIT_HORIZON = 2.0
 #: The correction for the change of the Jacobian adds at most this part of the joint velocity.
 TURNING_PART = 0.25
+#: A velocity counts as fast from this part of the joint's limit on.
+FAST_PART = 0.1
+#: Every reversal from fast to fast adds REVERSAL to a joint's count, and every other image takes 1 away; the joint
+#: chatters from CHATTERS on. The count does not grow above MOST, so that the joint is trusted again soon.
+REVERSAL, CHATTERS, MOST = 2, 6, 9
 
 
 class Motion(NamedTuple):
@@ -35,6 +39,36 @@ class Motion(NamedTuple):
     twist: np.ndarray
     status: Optional[Status] = None
     text: str = ""
+
+
+class Chatter:
+    """Detects a joint that chatters: its commanded velocity is large and changes its sign from image to image.
+
+    This happens next to a singularity, for example of a stretched elbow: the camera hardly moves, without a limit.
+    """
+
+    def __init__(self, names: Sequence[str], limit: np.ndarray) -> None:
+        """Args: names: of the joints.  limit: (n,) of their velocity, may be infinite [m/s, rad/s]."""
+        self._names = names
+        self._fast = [FAST_PART * most if most < float("inf") else FAST_PART for most in limit.tolist()]
+        self.clear()
+
+    def clear(self) -> None:
+        """The joints were told to stand still."""
+        self._last, self._counts = [0.0] * len(self._names), [0] * len(self._names)
+
+    def joint(self, q_dot: np.ndarray) -> Optional[str]:
+        """Name of a joint that chatters, or None. Call it once for each image. Args: q_dot: (n,) told."""
+        last, counts, found = self._last, self._counts, None
+        self._last = q_dot.tolist()
+        for i, (old, new, fast) in enumerate(zip(last, self._last, self._fast)):
+            if old * new < 0.0 and abs(old) > fast and abs(new) > fast:
+                counts[i] = min(MOST, counts[i] + REVERSAL)
+            elif counts[i]:
+                counts[i] -= 1
+            if counts[i] >= CHATTERS:
+                found = self._names[i]
+        return found
 
 
 class ArmMotion:

@@ -10,7 +10,7 @@ fields. A simulated arm in lockstep does not read the section.
 
 from dataclasses import dataclass
 from math import inf
-from typing import Any, Callable, Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple, Type, TypeVar
+from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple, Type, TypeVar
 
 import numpy as np
 
@@ -77,31 +77,28 @@ class Form:
         """Returns the messages for these set-points."""
         raise NotImplementedError
 
-    def _numbers(self, joint_names: Sequence[str], values: Iterable[float]) -> List[Message]:
+
+class JointNumbers(Form):
+    """One number per joint: the attribute of the set-points that has the name of the form."""
+
+    def messages(self, point: SetPoint) -> List[Message]:
         """Returns one message for all joints if they share a controller, else one for each."""
-        settings = self._settings
+        settings, data = self._settings, [float(value) for value in getattr(point, self.name)]
         if settings.controller:
-            data = [float(value) for value in values]
             return [Message(f"{settings.controller}/command", "std_msgs/Float64MultiArray", {"data": data})]
-        names = [settings.joint_controllers.get(name, f"{name}_controller") for name in joint_names]
-        return [Message(f"{controller}/command", "std_msgs/Float64", {"data": float(value)})
-                for controller, value in zip(names, values)]
+        names = [settings.joint_controllers.get(name, f"{name}_controller") for name in point.joint_names]
+        return [Message(f"{controller}/command", "std_msgs/Float64", {"data": value})
+                for controller, value in zip(names, data)]
 
 
 @register_form("position")
-class Position(Form):
+class Position(JointNumbers):
     """One position per joint [m or rad]: JointPositionController, or JointGroupPositionController for all joints."""
-
-    def messages(self, point: SetPoint) -> List[Message]:
-        return self._numbers(point.joint_names, point.position)
 
 
 @register_form("velocity")
-class Velocity(Form):
+class Velocity(JointNumbers):
     """One velocity per joint [m/s or rad/s]: JointVelocityController, or JointGroupVelocityController for all."""
-
-    def messages(self, point: SetPoint) -> List[Message]:
-        return self._numbers(point.joint_names, point.velocity)
 
 
 @register_form("trajectory")
@@ -157,8 +154,7 @@ class RealSettings:
         help="How much later than the exposure the stamps of the images are: drivers of USB cameras stamp an image "
              "when it has arrived.")
     max_joint_gap_s: float = setting(
-        0.05, unit="s", above=0,
-        help="Joint states farther apart than this are not interpolated between.")
+        0.05, unit="s", above=0, help="Joint states farther apart than this are not interpolated between.")
     max_extrapolation_s: float = setting(
         0.01, unit="s", at_least=0,
         help="An image at most this much later than the newest joint state is answered from the last two joint states; "
@@ -172,11 +168,9 @@ class RealSettings:
         help="The features are predicted from the time of the image to the time at which the command acts. Features of "
              "moments and points only.")
     command_delay_s: float = setting(
-        0.0, unit="s", at_least=0,
-        help="Time from a command to the motion of the joints; the prediction adds it.")
+        0.0, unit="s", at_least=0, help="Time from a command to the motion of the joints; the prediction adds it.")
     max_prediction_s: float = setting(
-        0.3, unit="s", above=0,
-        help="An image that would have to be predicted over a longer time is refused.")
+        0.3, unit="s", above=0, help="An image that would have to be predicted over a longer time is refused.")
     deadman: bool = setting(
         True,
         help="The arm moves only while `true` comes on the topic `deadman` (std_msgs/Bool); its end ends the goal.")
@@ -191,8 +185,7 @@ class RealSettings:
         5.0, unit="m/s^2, rad/s^2", above=0,
         help="Largest acceleration of a joint; stops are at once, and the drives brake as they can.")
     workspace: Optional[WorkspaceSettings] = setting(
-        None,
-        help="A box that the camera stays in; the arm brakes before it leaves it.")
+        None, help="A box that the camera stays in; the arm brakes before it leaves it.")
 
     def check(self) -> Iterator[str]:
         """The form is known and has the controllers that it needs."""

@@ -1,29 +1,17 @@
 """From a camera twist to joint velocities: damped inverse of all six rows, and what the spare motion is used for.
 
 An arm whose camera looks straight down has lost one twist (tilt about the horizontal axis in the arm's plane), and
-the published goal is nearly stretched, so that 1 mm of height asks for 0.2 rad of the elbow. Both are small singular
-values, and only the first may be given up. Rule:
+the published goal is nearly stretched, so that 1 mm of height asks for 0.2 rad of the elbow (docs/theory.md T16, T17).
+Both are small singular values, and only the first may be given up. Rule:
 
 1. Rows are made comparable by a characteristic length: linear rows are divided by `length_m`, so that at the published
-   goal height has sigma = 0.07 and the lost tilt sigma = 0 (order of the tilt [rad] when not quite straight down).
-   Columns are divided by joint weights (cost of moving a joint).
-2. Each singular value below `threshold` is inverted as sigma / (sigma^2 + lambda^2) with
-   lambda^2 = (1 - (sigma / threshold)^2) damping^2; the others exactly. A lost direction (sigma -> 0) gets no motion,
-   a weak but needed one above the threshold is not slowed at all, and nothing jumps in between.
-   This is rule `damped`; the published ones are in damping.py.
+   goal height has sigma = 0.07 and the lost tilt sigma = 0. Columns are divided by joint weights.
+2. Singular values below `threshold` are damped by one of the rules of damping.py (T40).
 3. Spare motion: directions with sigma far below the threshold are free. There the arm returns to the posture it was
    taught in (gantry, J1 and J6 keep their shares; and with a goal that is not quite straight down, the lost tilt is
-   right only there), and joints are pushed away from their limits and from singularities.
-4. An arm without spare directions has some motion to spare as long as it is not at the goal: only the rate at which the
-   distance to it shrinks has to be kept, not the direction of the way (projection onto the norm, T41).
-
-References:
-    Y. Nakamura and H. Hanafusa, ASME J. Dyn. Syst. Meas. Control 108(3), 1986 (variable damping).
-    S. Chiaverini, B. Siciliano, O. Egeland, IEEE Trans. Control Syst. Technol. 2(2), 1994 (damping by
-    sigma / threshold, applied to the weak singular vectors only).
-    A. Liegeois, IEEE Trans. SMC 7(12), 1977 (gradient projection).
-    M. Marey and F. Chaumette, A new large projection operator for the redundancy framework, ICRA 2010.
-    W. A. Wolovich and H. Elliott, CDC 1984 (transpose of the Jacobian).
+   right only there), and joints are pushed away from their limits and from singularities (gradient projection:
+   A. Liegeois, IEEE Trans. SMC 7(12), 1977).
+4. An arm without spare directions has some motion to spare as long as it is not at the goal (T41).
 """
 
 from math import exp

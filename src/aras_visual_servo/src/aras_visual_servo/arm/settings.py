@@ -19,8 +19,7 @@ class InverseSettings:
         0.05, unit="m", above=0,
         help="Length that makes metres comparable to radians: the linear rows of the Jacobian are divided by it.")
     singular_value_threshold: float = setting(
-        0.02, above=0,
-        help="Singular values below it are damped, the smaller the more; above it nothing is slowed.")
+        0.02, above=0, help="Singular values below it are damped, the smaller the more; above it nothing is slowed.")
     damping: float = setting(0.02, above=0, help="Damping of a direction that the arm has lost.")
     joint_weights: Dict[str, float] = setting(
         {}, above=0, by="joint",
@@ -61,11 +60,9 @@ class LimitsSettings:
     """Section `servo.limits`: limits that are tighter than those of the URDF."""
 
     camera_speed_m_s: float = setting(
-        inf, unit="m/s", above=0,
-        help="Of the camera; the twist is shortened as a whole.")
+        inf, unit="m/s", above=0, help="Of the camera; the twist is shortened as a whole.")
     camera_turn_rad_s: float = setting(
-        inf, unit="rad/s", above=0,
-        help="Of the camera; the twist is shortened as a whole.")
+        inf, unit="rad/s", above=0, help="Of the camera; the twist is shortened as a whole.")
     joint_acceleration: Dict[str, float] = setting(
         {}, unit="m/s^2, rad/s^2", above=0, by="joint",
         help="By the name of the joint, e.g. `{J1: 5.0}`: all joints are slowed by one factor, so that the direction "
@@ -79,5 +76,4 @@ class HandEyeSettings:
     link: str = setting(not_empty=True, help="The link that carries the camera, usually the arm's flange.")
     position_m: Tuple[float, ...] = setting(size=3, unit="m", help="The optical centre in the frame of that link.")
     rpy_rad: Tuple[float, ...] = setting(
-        size=3, unit="rad",
-        help="Roll, pitch and yaw of the optical frame in the frame of that link, as in a URDF.")
+        size=3, unit="rad", help="Roll, pitch and yaw of the optical frame in the frame of that link, as in a URDF.")

@@ -27,10 +27,12 @@ together, each as "key: found X, allowed Y". It is called when every key by itse
 import functools
 import typing
 from dataclasses import MISSING, dataclass, field, fields, is_dataclass
-from typing import Any, Callable, Iterable, Mapping, Optional, Tuple
+from typing import Any, Callable, Iterable, Mapping, Optional, Tuple, TypeVar
 
 from ..ground.errors import ParameterError
+from ..ground.registry import Registry
 
+C = TypeVar("C")
 #: What the entries of a key may be named by, when their number depends on the scenario.
 BY = ("", "feature", "joint", "joint_position")
 _SCALARS = (float, int, bool, str, object)
@@ -82,6 +84,18 @@ def setting(default: Any = MISSING, *, help: str, unit: str = "", above: Optiona
     if isinstance(default, dict):
         return field(default_factory=lambda: dict(default), metadata={_KEY: more})
     return field(default=default, metadata={_KEY: more})
+
+
+def register(registry: Registry[Any], name: str, settings: Optional[type], /,
+             **attributes: Any) -> Callable[[C], C]:
+    """Returns a class decorator that makes a plugin known by name, with settings of its own or None.
+
+    Args: settings: class of the settings, read from the section `servo.NAME`.  attributes: of the plugin.
+    Raises ParameterError: `settings` is not a frozen dataclass whose fields are made by `setting`.
+    """
+    if settings is not None:
+        keys_of(settings)
+    return registry.register(name, settings_class=settings, **attributes)
 
 
 @functools.lru_cache(maxsize=None)

@@ -4,21 +4,12 @@
     s = features.values(View(moment_features))                  # (k,)
     L = features.matrix(View(moment_features, plane))           # (k, 6), s_dot = L V_C
 
-A new feature is a subclass with a name. It computes its value and its row of the interaction matrix from a `View`:
-
-    @register_feature("elongation")
-    class Elongation(Feature):
-        order, sees_tilt = 3, True
-        def value(self, view): ...
-        def row(self, view): ...
+A new feature is a subclass with a name, which computes its value and its row of the interaction matrix from a `View`.
+One with settings of its own, the section `servo.NAME` of the scenario, finds them as `self.settings`
+(docs/extending.md).
 
 The measurements of an image come as `MomentFeatures`, with raw and centred moments by name "ij". The plane of the
 target is (A, B, C) of 1/Z = A x + B y + C in the camera frame [1/m] (docs/theory.md T5).
-
-A feature with settings of its own describes them as a frozen dataclass (config/settings.py) and finds them as
-`self.settings`; they are read from the section `servo.NAME` of the scenario:
-
-    @register_feature("elongation", settings=ElongationSettings)
 """
 
 import re
@@ -27,7 +18,7 @@ from typing import Any, Callable, Dict, Iterable, List, Mapping, Optional, Seque
 import numpy as np
 
 from . import interaction
-from ..config.settings import keys_of, settings_of
+from ..config.settings import register, settings_of
 from ..ground.errors import DegenerateFeature, ParameterError
 from ..ground.registry import Registry, unknown_name
 from ..ground.types import FEATURE_NAMES
@@ -40,25 +31,28 @@ _NUMBERED = re.compile(r"([a-z]+)([1-9][0-9]?)")
 
 
 def register_feature(name: str, settings: Optional[type] = None) -> Callable[[Type[F]], Type[F]]:
-    """Returns a class decorator that makes a feature known by name.
-
-    Args: settings: settings class of the feature's own section `servo.NAME`, or None.
-    Raises ParameterError: `settings` is not a frozen dataclass whose fields are made by `setting`.
-    """
-    if settings is not None:
-        keys_of(settings)
-    return FEATURES.register(name, name=name, section=name, settings_class=settings)
+    """Returns a class decorator that makes a feature known by name. Args and errors: of `settings.register`."""
+    return register(FEATURES, name, settings, name=name, section=name)
 
 
 def register_family(prefix: str, settings: Optional[type] = None) -> Callable[[Type[F]], Type[F]]:
     """Returns a class decorator for a family of features: `prefix` and a number from 1 to 99, as in x1, x2, ...
 
-    The class finds the number as `self.number`.
-    Args: settings: as of `register_feature`; all members of the family share the section `servo.PREFIX`.
+    The class finds the number as `self.number`; all members share the section `servo.PREFIX`.
     """
-    if settings is not None:
-        keys_of(settings)
-    return FAMILIES.register(prefix, section=prefix, settings_class=settings)
+    return register(FAMILIES, prefix, settings, section=prefix)
+
+
+def register_each(base: Type["Feature"], table: Iterable[Tuple[str, str, str, Any]], first: int = 0,
+                  family: bool = False, **attributes: Any) -> None:
+    """Registers a subclass of `base` for each row (name or prefix, symbol, label, colour) of a table.
+
+    The subclasses have these attributes, and `index` first, first + 1, ...
+    """
+    registered = register_family if family else register_feature
+    for index, (name, symbol, label, colour) in enumerate(table, first):
+        look = {"symbol": symbol, "label": label, "colour": colour}
+        registered(name)(type(name, (base,), {"index": index, **look, **attributes}))
 
 
 def feature_settings() -> Dict[str, type]:
@@ -113,9 +107,14 @@ def _area_row(view):
     return interaction.area(view.m, view.plane)
 
 
+def _centroid_rows(view):
+    """L of (xg, yg) (T8)."""
+    return interaction.centroid(view.m, view.plane)
+
+
 def _mu_row(view, i, j):
     """L of mu_ij (T7)."""
-    return interaction.centred_moment(view.m, view.mu, i, j, view.plane)
+    return interaction.centred_moments(view.m, view.mu, [(i, j)], view.plane)[0]
 
 
 def _normalised_rows(view):
@@ -172,6 +171,10 @@ class View:
         """L of a = m00, (6,)."""
         return self.shared(_area_row)
 
+    def L_centroid(self) -> np.ndarray:
+        """L of (xg, yg), (2, 6)."""
+        return self.shared(_centroid_rows)
+
     def L_mu(self, i: int, j: int) -> np.ndarray:
         """L of mu_ij, (6,)."""
         return self.shared(_mu_row, i, j)
@@ -186,6 +189,7 @@ class Feature:
 
     Attributes:
         name: under which the feature is registered.  number: that of a member of a family.
+        index: its place among features of one class (`register_each`).
         order: up to this order i + j its value and row need moments.
         angle: True if the value is an angle. Its errors are then taken modulo 2 pi, or modulo pi for a symmetric object
             unless the angle is `directed`.
@@ -204,7 +208,7 @@ class Feature:
     In symbol and label of a family, "{number}" stands for the number.
     """
 
-    name, number, order, angle, directed, sees_tilt = "", 0, 2, False, False, False
+    name, number, index, order, angle, directed, sees_tilt = "", 0, 0, 2, False, False, False
     source, section, overlay, unit, symbol, label = "moments", "", "moments", "-", "", ""
     also_from: Tuple[str, ...] = ()
     settings_class: Optional[type] = None

@@ -7,23 +7,17 @@ An object without area raises DegenerateFeature. The tests check every row again
 moments.
 """
 
-from typing import Iterable, Mapping, Sequence, Tuple
+from typing import Iterable, List, Mapping, Sequence, Tuple
 
 import numpy as np
 
 from ..ground.errors import DegenerateFeature
 
-
 #: _NAME[i][j] is the name of the moment ij. Looking it up is faster than making the text each time.
 _NAME = tuple(tuple(f"{i}{j}" for j in range(10)) for i in range(10))
 
 
-def _at(moments, i, j):
-    """m_ij, and 0 for a negative i or j, which the formulas only ever multiply by zero."""
-    return moments[_NAME[i][j]] if i >= 0 and j >= 0 else 0.0
-
-
-def _shape(m):
+def shape(m: Mapping[str, float]) -> Tuple[float, float, float, float, float]:
     """Centroid and n20, n11, n02 of raw moments m. Raises DegenerateFeature for an empty object."""
     area = m["00"]
     if not area > 0.0:
@@ -44,36 +38,19 @@ def plane_from_pose(normal_C: Sequence[float], point_C: Sequence[float]) -> np.n
     return normal / distance
 
 
-def raw_moment(m: Mapping[str, float], i: int, j: int, plane: Sequence[float]) -> np.ndarray:
-    """L of m_ij (T6); needs raw moments to order i + j + 1."""
-    A, B, C = plane
-    k = i + j + 3
-    return np.array([
-        -(i + 1) * A * _at(m, i, j) - i * B * _at(m, i - 1, j + 1) - i * C * _at(m, i - 1, j),
-        -j * A * _at(m, i + 1, j - 1) - (j + 1) * B * _at(m, i, j) - j * C * _at(m, i, j - 1),
-        k * (A * _at(m, i + 1, j) + B * _at(m, i, j + 1)) + (k - 1) * C * _at(m, i, j),
-        k * _at(m, i, j + 1) + j * _at(m, i, j - 1),
-        -k * _at(m, i + 1, j) - i * _at(m, i - 1, j),
-        i * _at(m, i - 1, j + 1) - j * _at(m, i + 1, j - 1),
-    ])  # fmt: skip
-
-
-def centred_moment(m: Mapping[str, float], mu: Mapping[str, float], i: int, j: int,
-                   plane: Sequence[float]) -> np.ndarray:
-    """L of mu_ij, i + j >= 2 (T7); needs centred moments to order i + j + 1 and raw ones to order 2."""
-    return np.array(_centred_row(_shape(m), mu, i, j, plane))
-
-
 def centred_moments(m: Mapping[str, float], mu: Mapping[str, float], orders: Iterable[Tuple[int, int]],
                     plane: Sequence[float]) -> np.ndarray:
-    """L of several mu_ij, (k, 6): the rows of `centred_moment`. Args: orders: k pairs (i, j)."""
-    shape = _shape(m)
-    return np.array([_centred_row(shape, mu, i, j, plane) for i, j in orders])
+    """L of several mu_ij, (k, 6), i + j >= 2 (T7); needs centred moments to order i + j + 1 and raw ones to order 2.
+
+    Args: orders: k pairs (i, j).
+    """
+    about = shape(m)
+    return np.array([_centred_row(about, mu, i, j, plane) for i, j in orders])
 
 
-def _centred_row(shape, mu, i, j, plane):
+def _centred_row(about, mu, i, j, plane):
     A, B, C = plane
-    xg, yg, n20, n11, n02 = shape
+    xg, yg, n20, n11, n02 = about
     here, up_i, up_j = mu[_NAME[i][j]], mu[_NAME[i + 1][j]], mu[_NAME[i][j + 1]]
     down_i, to_j = (mu[_NAME[i - 1][j]], mu[_NAME[i - 1][j + 1]]) if i > 0 else (0.0, 0.0)
     down_j, to_i = (mu[_NAME[i][j - 1]], mu[_NAME[i + 1][j - 1]]) if j > 0 else (0.0, 0.0)
@@ -105,12 +82,13 @@ def _area_row(m, plane):
 
 def centroid(m: Mapping[str, float], plane: Sequence[float]) -> np.ndarray:
     """L of (xg, yg), (2, 6) (T8); needs raw moments to order 2."""
-    return np.array(_centroid_rows(m, plane))
+    return np.array(centroid_rows(shape(m), plane))
 
 
-def _centroid_rows(m, plane):
+def centroid_rows(about: Sequence[float], plane: Sequence[float]) -> List[List[float]]:
+    """L of (xg, yg). Args: about: as of `shape`."""
     A, B, C = plane
-    xg, yg, n20, n11, n02 = _shape(m)
+    xg, yg, n20, n11, n02 = about
     over_Zg = A * xg + B * yg + C
     return [
         [-over_Zg, 0.0, xg * over_Zg + 4 * (A * n20 + B * n11), xg * yg + 4 * n11, -(1 + xg * xg + 4 * n20), yg],
@@ -121,7 +99,7 @@ def _centroid_rows(m, plane):
 def normalised(m: Mapping[str, float], plane: Sequence[float], z_star_m: float, area_star: float) -> np.ndarray:
     """L of (xn, yn, an), (3, 6) (T9). Args: z_star_m, area_star: depth [m] and area m00 of the reference view (T4)."""
     a = m["00"]
-    L_a, (L_x, L_y) = _area_row(m, plane), _centroid_rows(m, plane)
+    L_a, (L_x, L_y) = _area_row(m, plane), centroid_rows(shape(m), plane)
     an = z_star_m * float(np.sqrt(area_star / a))
     slope, xg, yg = -(an / (2.0 * a)), m["10"] / a, m["01"] / a
     L_an = [slope * part for part in L_a]
@@ -132,7 +110,7 @@ def normalised(m: Mapping[str, float], plane: Sequence[float], z_star_m: float, 
 def orientation(m: Mapping[str, float], mu: Mapping[str, float], plane: Sequence[float]) -> np.ndarray:
     """L of alpha (T10); needs raw and centred moments to order 3. Raises DegenerateFeature for an isotropic object."""
     A, B, _ = plane
-    xg, yg, _, _, _ = _shape(m)
+    xg, yg, _, _, _ = shape(m)
     mu20, mu11, mu02 = mu["20"], mu["11"], mu["02"]
     mu30, mu21, mu12, mu03 = mu["30"], mu["21"], mu["12"], mu["03"]
     difference = mu20 - mu02
@@ -148,12 +126,6 @@ def orientation(m: Mapping[str, float], mu: Mapping[str, float], plane: Sequence
     return np.array([p * A + q * B, -r * A - p * B, -A * wy + B * wx, wx, wy, -1.0])
 
 
-def features(m: Mapping[str, float], mu: Mapping[str, float], plane: Sequence[float], z_star_m: float,
-             area_star: float) -> np.ndarray:
-    """L of s = (xn, yn, an, alpha), (4, 6): rows of `normalised` and `orientation`."""
-    return np.vstack([normalised(m, plane, z_star_m, area_star), orientation(m, mu, plane)])
-
-
 def times(factor: complex, row: np.ndarray) -> np.ndarray:
     """factor * row, (n,) complex.
 
@@ -167,15 +139,10 @@ def times(factor: complex, row: np.ndarray) -> np.ndarray:
     return product
 
 
-def parallel(xn: float, yn: float) -> np.ndarray:
-    """L of s for a target parallel to the image, columns (vx, vy, vz, wz), (4, 4): exact at any depth (T11).
-
-    References: the published eq. (16).
-    """
-    return np.array([[-1.0, 0.0, 0.0, yn], [0.0, -1.0, 0.0, -xn], [0.0, 0.0, -1.0, 0.0], [0.0, 0.0, 0.0, -1.0]])
-
-
 def parallel_condition(xn: float, yn: float) -> float:
-    """Condition number of `parallel(xn, yn)`, in closed form: its determinant is 1."""
+    """Condition number of the published L, eq. (16), of a target parallel to the image (T11), in closed form.
+
+    L has the columns (vx, vy, vz, wz) and the determinant 1; it is exact at any depth.
+    """
     r2 = xn * xn + yn * yn
     return 0.5 * (2.0 + r2 + (r2 * (r2 + 4.0)) ** 0.5)

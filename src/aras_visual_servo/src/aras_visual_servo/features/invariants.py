@@ -11,7 +11,7 @@ import numpy as np
 
 from ..ground.errors import DegenerateFeature
 from .interaction import times
-from .base import Feature, register_feature
+from .base import Feature, register_each
 from ..palette import shade
 
 #: A modulus |C_pq| smaller than this part of a (T/a)^(order/2), which is the object's own scale, counts as zero: it is
@@ -117,7 +117,6 @@ class _Invariant(Feature):
 
 
 for _name, (_order, _degree, _numerator, _denominator) in _INVARIANTS.items():
-    register_feature(_name)(type(_name, (_Invariant,), {
-        "__doc__": f"{_name}: {_Invariant.__doc__}", "order": _order + 1, "moment_order": _order, "degree": _degree,
-        "numerator": _numerator, "denominator": _denominator, "symbol": f"c_{_name[1:]}",
-        "label": f"moment invariant {_name[1:]}", "colour": shade((0.0, 360.0), int(_name[1:]))}))
+    _number = int(_name[1:])
+    register_each(_Invariant, [(_name, f"c_{_number}", f"moment invariant {_number}", shade((0.0, 360.0), _number))],
+                  order=_order + 1, moment_order=_order, degree=_degree, numerator=_numerator, denominator=_denominator)

@@ -15,7 +15,7 @@ import numpy as np
 
 from ..ground.errors import DegenerateFeature
 from ..spatial import skew
-from .base import Feature, View, register_family
+from .base import Feature, View, register_each
 from ..palette import COOL, GREENS, PURPLES, WARM
 
 
@@ -84,6 +84,10 @@ def ray_rows(view: View) -> np.ndarray:
     return L
 
 
+#: Attributes of a direction. Points have an order, so it is known to 2 pi.
+DIRECTION = {"unit": "rad", "angle": True, "directed": True}
+
+
 class OfPoints(Feature):
     sees_tilt, overlay, also_from = True, "points", ("matches", "tag")
 
@@ -99,38 +103,27 @@ class OfPoints(Feature):
         return self.number - 1
 
 
-@register_family("x")
-class PointX(OfPoints):
-    """x of a point [-]."""
+class _Coordinate(OfPoints):
+    """x or y of a point [-]."""
 
-    symbol, label, colour = "x_{number}", "point {number} in x", COOL
-    axis = 0
+    def value(self, view):
+        return view.shared(points)[self._ends(view)[0]][self.index]
 
-    def value(self, view: View) -> float:
-        return view.shared(points)[self._ends(view)[0]][self.axis]
-
-    def row(self, view: View) -> np.ndarray:
-        return view.shared(point_rows)[2 * self._ends(view)[0] + self.axis]
+    def row(self, view):
+        return view.shared(point_rows)[2 * self._ends(view)[0] + self.index]
 
 
-@register_family("y")
-class PointY(PointX):
-    """y of a point [-]."""
-
-    symbol, label, colour = "y_{number}", "point {number} in y", WARM
-    axis = 1
+register_each(_Coordinate, (("x", "x_{number}", "point {number} in x", COOL),
+                            ("y", "y_{number}", "point {number} in y", WARM)), family=True)
 
 
-class _OfSegment(OfPoints):
-    """Base class of features of the vector (dx, dy) from a point to the next one.
-
-    A subclass gives `_value(dx, dy)` and `_row(cosine, sine, length, L_dx, L_dy)`, where cosine and sine are those of
-    the vector's direction and L_dx, L_dy, (6,), are the rows of dx and dy.
-    """
+class _Segment(OfPoints):
+    """Length of a segment [-] (index 0), or its direction, from its first point to the next [rad] (index 1)."""
 
     def value(self, view):
         (x, y), (x_next, y_next) = (view.shared(points)[end] for end in self._ends(view))
-        return self._value(x_next - x, y_next - y)
+        dx, dy = x_next - x, y_next - y
+        return atan2(dy, dx) if self.index else hypot(dx, dy)
 
     def row(self, view):
         here, following = self._ends(view)
@@ -139,57 +132,27 @@ class _OfSegment(OfPoints):
         length = hypot(dx, dy)
         if not length > 0.0:
             raise DegenerateFeature(f"{self.name}: the segment has no length, two followed points coincide")
+        cosine, sine = dx / length, dy / length
         L_dx, L_dy = L[2 * following] - L[2 * here], L[2 * following + 1] - L[2 * here + 1]
-        return self._row(dx / length, dy / length, length, L_dx, L_dy)
+        return (cosine * L_dy - sine * L_dx) / length if self.index else cosine * L_dx + sine * L_dy
 
 
-@register_family("l")
-class SegmentLength(_OfSegment):
-    """Length of a segment [-]."""
-
-    symbol, label, colour = "l_{number}", "length of segment {number}", GREENS
-
-    def _value(self, dx, dy):
-        return hypot(dx, dy)
-
-    def _row(self, cosine, sine, length, L_dx, L_dy):
-        return cosine * L_dx + sine * L_dy
+register_each(_Segment, [("l", "l_{number}", "length of segment {number}", GREENS)], family=True)
+register_each(_Segment, [("alpha", "α_{number}", "direction of segment {number}", PURPLES)], 1, True, **DIRECTION)
 
 
-@register_family("alpha")
-class SegmentDirection(_OfSegment):
-    """Direction of a segment, from its first point to the next [rad]. Points have an order, so it is known to 2 pi."""
+class _Middle(OfPoints):
+    """x or y of the middle of a segment [-]."""
 
-    unit, symbol, label, colour = "rad", "α_{number}", "direction of segment {number}", PURPLES
-    angle = directed = True
-
-    def _value(self, dx, dy):
-        return atan2(dy, dx)
-
-    def _row(self, cosine, sine, length, L_dx, L_dy):
-        return (cosine * L_dy - sine * L_dx) / length
-
-
-@register_family("xm")
-class SegmentX(OfPoints):
-    """x of the middle of a segment [-]."""
-
-    symbol, label, colour = "x_m{number}", "middle of segment {number} in x", COOL
-    axis = 0
-
-    def value(self, view: View) -> float:
+    def value(self, view):
         seen = view.shared(points)
-        return 0.5 * sum(seen[end][self.axis] for end in self._ends(view))
+        return 0.5 * sum(seen[end][self.index] for end in self._ends(view))
 
-    def row(self, view: View) -> np.ndarray:
+    def row(self, view):
         here, following = self._ends(view)
         L = view.shared(point_rows)
-        return 0.5 * (L[2 * here + self.axis] + L[2 * following + self.axis])
+        return 0.5 * (L[2 * here + self.index] + L[2 * following + self.index])
 
 
-@register_family("ym")
-class SegmentY(SegmentX):
-    """y of the middle of a segment [-]."""
-
-    symbol, label, colour = "y_m{number}", "middle of segment {number} in y", WARM
-    axis = 1
+register_each(_Middle, (("xm", "x_m{number}", "middle of segment {number} in x", COOL),
+                        ("ym", "y_m{number}", "middle of segment {number} in y", WARM)), family=True)

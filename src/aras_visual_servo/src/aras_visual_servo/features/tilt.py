@@ -9,7 +9,7 @@ import numpy as np
 from . import interaction
 from .interaction import times
 from ..ground.errors import DegenerateFeature
-from .base import Feature, View, register_feature
+from .base import Feature, View, register_each, register_feature
 from ..palette import BROWN, MAROON, NAVY, VIOLET
 
 
@@ -53,30 +53,20 @@ class _ThirdOrder(Feature):
     order, sees_tilt = 4, True
 
 
-@register_feature("sx")
-class Sx(_ThirdOrder):
-    """Real part of S (T18) [-]."""
+class _Vector(_ThirdOrder):
+    """Real or imaginary part of S (T18) [-]."""
 
-    symbol, label, colour = "s_x", "third-order invariant, real part", NAVY
+    def value(self, view):
+        S = view.shared(third_order_vector)
+        return (S.real, S.imag)[self.index]
 
-    def value(self, view: View) -> float:
-        return view.shared(third_order_vector).real
-
-    def row(self, view: View) -> np.ndarray:
-        return view.shared(third_order_rows).real
+    def row(self, view):
+        L = view.shared(third_order_rows)
+        return (L.real, L.imag)[self.index]
 
 
-@register_feature("sy")
-class Sy(_ThirdOrder):
-    """Imaginary part of S (T18) [-]."""
-
-    symbol, label, colour = "s_y", "third-order invariant, imaginary part", BROWN
-
-    def value(self, view: View) -> float:
-        return view.shared(third_order_vector).imag
-
-    def row(self, view: View) -> np.ndarray:
-        return view.shared(third_order_rows).imag
+register_each(_Vector, (("sx", "s_x", "third-order invariant, real part", NAVY),
+                        ("sy", "s_y", "third-order invariant, imaginary part", BROWN)))
 
 
 @register_feature("px")

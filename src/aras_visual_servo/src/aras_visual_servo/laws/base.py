@@ -1,25 +1,13 @@
 """Control laws: from image features to a camera twist, behind one small interface, found by name.
 
-A new law is a subclass with one method and a name:
-
-    @register_law("proportional")
-    class Proportional(Law):
-        def _twist(self, look, s, e):
-            return np.array([...])                  # V_C, (6,), [v; w]
-
-    law = make_law("proportional", [1.0, 1.0, 1.0, 1.0])
+    law = make_law("decoupled", [1.0, 1.0, 1.0, 1.0])
     law.reset(s_star)
     answer = law.step(Look(View(features), dt_s))   # once per image: answer.twist, answer.s, answer.e, ...
 
 s are the features that the scenario names (`features.FeatureSet`), by default s = (xn, yn, an [m], alpha [rad]), and
 e = s - s_star. There is one gain per feature [1/s]. For each image the servo gives the law one `Look` and takes one
-`Answer`; nothing else goes between them. A law that inverts the interaction matrix of the current view sets
-`needs_plane` and calls `self.invert(self.features.matrix(look.view))`: docs/extending.md.
-
-A law with settings of its own describes them as a frozen dataclass (config/settings.py) and finds them as
-`self.settings`; they are read from the section `servo.NAME` of the scenario:
-
-    @register_law("proportional", settings=ProportionalSettings)
+`Answer`; nothing else goes between them. A new law is a subclass with a name and a `_twist`. One with settings of its
+own, the section `servo.NAME` of the scenario, finds them as `self.settings` (docs/extending.md).
 """
 
 from math import exp, expm1, isfinite, sin
@@ -28,7 +16,7 @@ from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple, Type, T
 import numpy as np
 
 from ..config.reader import faults_of
-from ..config.settings import keys_of, settings_of
+from ..config.settings import register, settings_of
 from ..config.validate import validate
 from ..ground.errors import DegenerateFeature, NotFiniteError, ParameterError, ShapeError
 from ..features.base import FeatureSet, View
@@ -47,14 +35,8 @@ L = TypeVar("L", bound="Law")
 
 
 def register_law(name: str, settings: Optional[type] = None) -> Callable[[Type[L]], Type[L]]:
-    """Returns a class decorator that makes a law known by name.
-
-    Args: settings: settings class of the law's own section `servo.NAME`, or None.
-    Raises ParameterError: `settings` is not a frozen dataclass whose fields are made by `setting`.
-    """
-    if settings is not None:
-        keys_of(settings)
-    return LAWS.register(name, name=name, settings_class=settings)
+    """Returns a class decorator that makes a law known by name. Args and errors: of `settings.register`."""
+    return register(LAWS, name, settings, name=name)
 
 
 def known_laws() -> List[str]:
@@ -141,9 +123,13 @@ class Law:
         self._s_star: Any = None
         self._inverse_depths: Optional[List[float]] = None
         self._condition = float("nan")
+        self._prepare()
+
+    def _prepare(self):
+        """Sets up what the subclass needs beside features, gains and settings."""
 
     def reset(self, reference: Union[Reference, Sequence[float]]) -> None:
-        """Forgets the past and servo to `reference` from now on.
+        """Forgets the past and servos to `reference` from now on.
 
         Args: reference: a `Reference`, or s_star alone, (k,); some laws need the taught view of a `Reference`.
         Raises:
@@ -161,6 +147,10 @@ class Law:
             self._inverse_depths = [A * x + B * y + C for x, y in zip(view.point_x, view.point_y)]
         elif self._setup.point_depth == "image":
             depths_in_image(self.taught_view(reference)[0])  # a goal without them is refused
+        self._reset(reference)
+
+    def _reset(self, reference):
+        """Makes the subclass forget its past and servo to `reference`."""
 
     def step(self, look: Look) -> Answer:
         """The `Answer` to one `Look`.

@@ -1,14 +1,13 @@
 """Law `broyden`: the image Jacobian learnt on the way, without calibration (docs/theory.md T32)."""
 
 from dataclasses import dataclass
-from typing import Optional, Sequence, Union
+from typing import Optional
 
 import numpy as np
 
-from ..ground.types import Reference
 from ..config.settings import setting
 from ..ground.errors import ParameterError
-from .base import Law, LawSetup, register_law, sampled_gains
+from .base import Law, register_law, sampled_gains
 
 #: A test move lasts this many images of motion and then this many at rest, in which the joints catch up.
 MOVE_IMAGES, REST_IMAGES = 3, 4
@@ -27,29 +26,22 @@ class BroydenSettings:
     forgetting: float = setting(
         0.95, above=0, at_most=1,
         help="Factor rho by which each image reduces the weight of earlier ones (T32); 1: nothing is forgotten.")
-    move: float = setting(
-        0.01, above=0,
-        help="Size of a test move: an angle in radians, a translation in parts of Z*.")
+    move: float = setting(0.01, above=0, help="Size of a test move: an angle in radians, a translation in parts of Z*.")
 
 
 @register_law("broyden", settings=BroydenSettings)
 class Broyden(Law):
     """v = -J^+ Lambda e, with J estimated from how the features changed after each twist.
 
-    The estimate is recursive least squares with forgetting (T32). It starts from the matrix at the goal (`desired`), or
-    from nothing (`moves`: one small test move along each axis comes first), and uses no other knowledge of the camera,
-    the depth or the plane. In the estimate rotations count in radians and translations in parts of Z*.
-
-    References: M. Jagersand, O. Fuentes, R. Nelson, "Experimental evaluation of uncalibrated visual servoing for
-    precision manipulation", ICRA 1997. K. Hosoda, M. Asada, "Versatile visual servoing without knowledge of true
-    Jacobian", IROS 1994. J. Piepmeier, G. McMurray, H. Lipkin, "Uncalibrated dynamic visual servoing", IEEE T-RA 20(1),
-    2004 (forgetting).
+    The estimate is recursive least squares with forgetting (T32, with references). It starts from the matrix at the
+    goal (`desired`), or from nothing (`moves`: one small test move along each axis comes first), and uses no other
+    knowledge of the camera, the depth or the plane. In the estimate rotations count in radians and translations in
+    parts of Z*.
     """
 
     works_on, continuous_only, foresees = None, True, False
 
-    def __init__(self, gains_per_s: Sequence[float], setup: LawSetup = LawSetup()) -> None:
-        super().__init__(gains_per_s, setup)
+    def _prepare(self):
         self._forgetting, self._move = self.settings.forgetting, self.settings.move
         self._columns = np.arange(6) if self.features.sees_tilt else np.array([0, 1, 2, 5])
         self._J = self._units = None
@@ -63,9 +55,7 @@ class Broyden(Law):
         L[:, self._columns] = self._J / self._units
         return L
 
-    def reset(self, reference: Union[Reference, Sequence[float]]) -> None:
-        """As of `Law`; needs a `Reference` with view and plane."""
-        super().reset(reference)
+    def _reset(self, reference):
         view, plane = self.taught_view(reference)
         self._units = np.array([view.z_star_m] * 3 + [1.0] * 3)[self._columns]
         n = len(self._columns)

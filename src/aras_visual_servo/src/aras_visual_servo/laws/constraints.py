@@ -13,7 +13,6 @@ import numpy as np
 
 from ..features.base import View
 from ..config.settings import setting
-from ..features.interaction import centroid
 from ..features.points import point_rows, points
 from ..ground.errors import DegenerateFeature
 
@@ -26,8 +25,7 @@ class WallSettings:
     """A plane that the camera stays on one side of."""
 
     normal: Tuple[float, ...] = setting(
-        size=3, condition=NOT_ZERO,
-        help="Direction away from the wall, in the robot's base, of any length.")
+        size=3, condition=NOT_ZERO, help="Direction away from the wall, in the robot's base, of any length.")
     offset_m: float = setting(
         unit="m",
         help="Distance of the wall from the base's origin along the normal; the optical centre stays beyond it.")
@@ -43,11 +41,9 @@ class ConstraintSettings:
              "the followed points stay, or without points the object; left out: no constraint.")
     half_height: Optional[float] = setting(None, above=0, help="Half the height of the view, likewise.")
     margin: float = setting(
-        0.05, at_least=0,
-        help="Margin kept to the border of the view, in normalised image coordinates.")
+        0.05, at_least=0, help="Margin kept to the border of the view, in normalised image coordinates.")
     extent: float = setting(
-        2.0, above=0,
-        help="Without points: the object ends this many standard deviations from its centroid.")
+        2.0, above=0, help="Without points: the object ends this many standard deviations from its centroid.")
     least_depth_m: float = setting(
         0.1, unit="m", above=0,
         help="No followed point, or without points the object's centroid, comes nearer along the optical axis.")
@@ -56,8 +52,7 @@ class ConstraintSettings:
         help="Planes by a name of your choice, e.g. `{table: {normal: [0, 0, 1], offset_m: 0.2}}`: the camera stays on "
              "the side that the normal points to.")
     rate_per_s: float = setting(
-        5.0, unit="1/s", above=0,
-        help="Room to a border or wall is used up at this rate at most.")
+        5.0, unit="1/s", above=0, help="Room to a border or wall is used up at this rate at most.")
     slack: bool = setting(
         True,
         help="Where no motion within the limits of the joints keeps the view and the walls: `true` takes the one that "
@@ -147,21 +142,24 @@ def _in_view(view, axis, half, extent):
         rows = view.shared(point_rows)[axis::2]
         low, high, L_low, L_high = at, at, rows, rows
     else:
-        low, high, L_low, L_high = _edges(view, axis, extent)
+        low, high, L_low, L_high = edges(view, axis, extent)
     names = _names(followed, *(f"at the {border} border" for border in BORDERS[2 * axis:2 * axis + 2]))
-    return Rooms(names, np.concatenate([half + low, half - high]), np.concatenate([L_low, -L_high]))
+    return Rooms(names, np.hstack([half + low, half - high]), np.vstack([L_low, -L_high]))
 
 
-def _edges(view, axis, extent):
-    """(low, high, L of low, L of high), of shapes (1,) and (1, 6): where the object begins and ends along an axis."""
+def edges(view: View, axis: int, extent: float) -> Tuple[float, float, np.ndarray, np.ndarray]:
+    """(low, high, L of low, L of high), L of shape (6,): where the object begins and ends along x (axis 0) or y (1).
+
+    Args: extent: standard deviations from its centroid to its edges.  Raises DegenerateFeature: it has no extent.
+    """
     i, j = ((2, 0), (0, 2))[axis]
     area, n = view.features.area, view.mu[f"{i}{j}"] / view.features.area
     if not n > 0.0:
         raise DegenerateFeature("constraints: the object has no extent in this view")
-    at, L = (view.features.xg, view.features.yg)[axis], centroid(view.m, view.plane)[axis]
+    at, L = (view.features.xg, view.features.yg)[axis], view.L_centroid()[axis]
     spread = extent * n**0.5
     L_spread = (view.L_mu(i, j) - n * view.L_area()) / area * (0.5 * extent / n**0.5)
-    return (np.array([at - spread]), np.array([at + spread]), (L - L_spread)[None], (L + L_spread)[None])
+    return at - spread, at + spread, L - L_spread, L + L_spread
 
 
 def _before_walls(planes, X_BC):

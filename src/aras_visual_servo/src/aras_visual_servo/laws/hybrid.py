@@ -1,11 +1,9 @@
 """Law `hybrid`, which is 2 1/2-D visual servoing: translation by a point of the image, rotation by the pose (T30)."""
 
 from math import log
-from typing import Sequence, Union
 
 import numpy as np
 
-from ..ground.types import Reference
 from ..ground.errors import DegenerateFeature
 from ..features.base import View
 from .base import register_law, sampled_gains
@@ -25,9 +23,8 @@ class Hybrid(PoseLaw):
 
     works_on = ("xr", "yr", "zr", "rx", "ry", "rz")
 
-    def reset(self, reference: Union[Reference, Sequence[float]]) -> None:
-        """As of `PoseLaw`, and chooses the reference point."""
-        super().reset(reference)
+    def _reset(self, reference):
+        super()._reset(reference)
         view, plane = self.taught_view(reference)
         ray = np.array([view.xg, view.yg, 1.0])
         if self._setup.target is not None:  # the plane of the known target, which its pose gives

@@ -1,11 +1,10 @@
 """Law `ibvs`: image-based visual servoing on any features (docs/theory.md T20, T21)."""
 
-from typing import Any, Sequence, Union
+from typing import Any
 
 import numpy as np
 
-from ..ground.types import Reference
-from .base import Law, LawSetup, register_law, sampled_gains
+from .base import Law, register_law, sampled_gains
 
 
 @register_law("ibvs")
@@ -19,15 +18,12 @@ class ImageBased(Law):
 
     works_on = None
 
-    def __init__(self, gains_per_s: Sequence[float], setup: LawSetup = LawSetup()) -> None:
-        super().__init__(gains_per_s, setup)
-        self.needs_plane = setup.interaction != "desired"
+    def _prepare(self):
+        self.needs_plane = self._setup.interaction != "desired"
         self._L_star: Any = None
         self._inverse: Any = None
 
-    def reset(self, reference: Union[Reference, Sequence[float]]) -> None:
-        """As of `Law`; needs a `Reference` with view and plane, except with `interaction: current`."""
-        super().reset(reference)
+    def _reset(self, reference):
         self._L_star = self._inverse = None
         if self._setup.interaction == "current":
             return

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from itertools import accumulate
 from math import expm1
 from re import fullmatch
-from typing import Iterator, NamedTuple, Sequence, Tuple, Union
+from typing import Iterator, NamedTuple, Tuple
 
 import numpy as np
 
@@ -13,8 +13,8 @@ from ..config.settings import setting
 from ..features.points import points
 from ..ground.errors import DegenerateFeature
 from ..spatial import adjoints, exponentials, inverse, logarithm
-from ..ground.types import Reference, Status
-from .base import LawSetup, register_law
+from ..ground.types import Status
+from .base import register_law
 from .constraints import ConstraintSettings, Rooms, points_in_space, rooms_of
 from .look import Arm, Joints
 from .qp import QuadraticProgram, asked, told
@@ -82,8 +82,8 @@ class Predictive(QuadraticProgram):
     IEEE T-RO 26(5), 2010 (there by a general solver on the nonlinear problem).
     """
 
-    def __init__(self, gains_per_s: Sequence[float], setup: LawSetup = LawSetup()) -> None:
-        super().__init__(gains_per_s, setup)
+    def _prepare(self):
+        super()._prepare()
         config, steps = self.settings, np.arange(self.settings.horizon)
         #: (N, moves): which move holds in which step.
         self._moves = np.eye(config.moves)[np.minimum(steps, config.moves - 1)]
@@ -98,9 +98,8 @@ class Predictive(QuadraticProgram):
         self._points = all(names) and [2 * (int(name[2]) - 1) + "xy".index(name[1]) for name in names]
         self._plan = self._rows = None
 
-    def reset(self, reference: Union[Reference, Sequence[float]]) -> None:
-        """As of `Law`."""
-        super().reset(reference)
+    def _reset(self, reference):
+        super()._reset(reference)
         self._plan = None
 
     def joint_velocity(self, view: View, arm: Arm, twist: np.ndarray) -> Joints:
@@ -265,7 +264,7 @@ class Predictive(QuadraticProgram):
 
     def _stand(self, arm, why):
         self._plan = None
-        return Joints(np.clip(0.0, arm.low, arm.high), Status.JOINT_LIMIT, f"standing still, {why}")
+        return super()._stand(arm, why)
 
 
 def _contour(view, extent):

@@ -2,11 +2,9 @@
 (docs/theory.md T33 to T35, T46)."""
 
 from dataclasses import dataclass
-from typing import Sequence, Union
 
 import numpy as np
 
-from ..ground.types import Reference
 from ..config.settings import setting
 from ..ground.errors import DegenerateFeature, NotFiniteError, ParameterError
 from .base import MAX_CONDITION, Law, LawSetup, register_law, sampled_gains
@@ -22,8 +20,7 @@ class PhotometricSettings:
         0.01, at_least=0,
         help="Damping mu of (T46) at the first image; it falls as the image comes to look like that of the goal.")
     rest_m_per_s: float = setting(
-        0.0005, unit="m/s", above=0,
-        help="The servo has not converged while the law asks for more speed than this.")
+        0.0005, unit="m/s", above=0, help="The servo has not converged while the law asks for more speed than this.")
     rest_rad_per_s: float = setting(
         0.001, unit="rad/s", above=0,
         help="The servo has not converged while the law asks for a faster turn than this.")
@@ -40,24 +37,20 @@ class Photometric(Law):
     those of Gauss and Newton. The rms of I - I* cannot show that the goal is reached, because the noise of the image
     keeps it above zero. Therefore the law also calls itself settled only when its twist is small.
 
-    References: C. Collewet, E. Marchand, "Photometric visual servoing", IEEE T-RO 27(4), 2011. E. Malis, "Improving
-    vision-based control using efficient second-order minimization techniques", ICRA 2004. J. Fan, Y. Yuan, "On the
-    quadratic convergence of the Levenberg-Marquardt method without nonsingularity assumption", Computing 74, 2005 (mu
-    as a power of the residual).
+    References: T46, and E. Malis, "Improving vision-based control using efficient second-order minimization
+    techniques", ICRA 2004.
     """
 
     works_on, foresees = ("photometric",), False
 
-    def __init__(self, gains_per_s: Sequence[float], setup: LawSetup = LawSetup()) -> None:
-        super().__init__(gains_per_s, setup)
-        if setup.interaction != LawSetup.interaction:
-            raise ParameterError(f"interaction: found '{setup.interaction}', allowed no such key with law "
+    def _prepare(self):
+        if self._setup.interaction != LawSetup.interaction:
+            raise ParameterError(f"interaction: found '{self._setup.interaction}', allowed no such key with law "
                                  f"'{self.name}': choose its matrix with vision.photometric.interaction")
         self._first_rms = self._step = None
 
-    def reset(self, reference: Union[Reference, Sequence[float]]) -> None:
-        """As of `Law`. The camera keeps the reference image; s_star is the rms of its difference from itself, 0."""
-        super().reset(reference)
+    def _reset(self, reference):
+        """The camera keeps the reference image; s_star is the rms of its difference from itself, 0."""
         self._first_rms = None
 
     def _twist(self, look, s, e):

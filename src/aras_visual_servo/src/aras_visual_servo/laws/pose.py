@@ -1,13 +1,12 @@
 """Laws that measure the camera's displacement from the goal by the target's pose (docs/theory.md T24, T25, T29)."""
 
-from typing import Any, Sequence, Union
+from typing import Any
 
 import numpy as np
 
-from ..ground.types import Reference
 from ..ground.errors import DegenerateFeature, ParameterError
 from ..features.base import View
-from .base import Law, LawSetup, register_law, sampled_gains
+from .base import Law, register_law, sampled_gains
 from ..features.target.points_pose import PlanarPoints, find_corners
 from ..features.target.solid_points import SolidPoints
 from ..spatial import inverse, rotation, rotation_vector
@@ -27,8 +26,8 @@ class PoseLaw(Law):
 
     needs_pose, foresees = True, False
 
-    def __init__(self, gains_per_s: Sequence[float], setup: LawSetup = LawSetup()) -> None:
-        super().__init__(gains_per_s, setup)
+    def _prepare(self):
+        setup = self._setup
         if setup.target is None and setup.pose_from == "moments":
             raise ParameterError(f"target_model: found nothing, law '{self.name}' needs the file of the known target, "
                                  "or pose_from: points or depth")
@@ -39,12 +38,8 @@ class PoseLaw(Law):
         self._X_CgT: Any = None
         self._X_CT = self._X_CgC_then = self._X_CgT
 
-    def reset(self, reference: Union[Reference, Sequence[float]]) -> None:
-        """As of `Law`, and finds the pose of the target in the taught view; needs a `Reference` with view and plane.
-
-        Raises DegenerateFeature: no pose explains the view.
-        """
-        super().reset(reference)
+    def _reset(self, reference):
+        """Finds the pose of the target in the taught view. Raises DegenerateFeature: no pose explains the view."""
         view, plane = self.taught_view(reference)
         if self._setup.pose_from == "moments":
             self._X_CgT = self._seen.find(view, self._setup.target_normal_C)

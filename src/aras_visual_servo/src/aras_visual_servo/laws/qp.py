@@ -8,7 +8,7 @@ import numpy as np
 
 from ..features.base import View
 from ..ground.types import Status
-from .base import LawSetup, register_law
+from .base import register_law
 from .constraints import ConstraintSettings, Rooms, rooms_of
 from .image import ImageBased
 from .look import Arm, Joints
@@ -43,8 +43,8 @@ class QuadraticProgram(ImageBased):
 
     moves_joints = continuous_only = True
 
-    def __init__(self, gains_per_s: Sequence[float], setup: LawSetup = LawSetup()) -> None:
-        super().__init__(gains_per_s, setup)
+    def _prepare(self):
+        super()._prepare()
         from .._kinematics import solve_program  # C++: not needed to describe the settings of this file
         self._solve, self.needs_plane = solve_program, True
 
@@ -59,8 +59,7 @@ class QuadraticProgram(ImageBased):
         if feasible:
             return self._answer(arm, rooms.names, q_dot, multipliers)
         if not self.settings.slack:
-            return Joints(np.clip(0.0, arm.low, arm.high), Status.JOINT_LIMIT,
-                          f"standing still, no motion keeps {_listed(asked(rooms, b))}")
+            return self._stand(arm, f"no motion keeps {_listed(asked(rooms, b))}")
         return self._with_slack(arm, rooms, H, A, b)
 
     def metric(self, view: View, jacobian: np.ndarray) -> np.ndarray:
@@ -98,11 +97,13 @@ class QuadraticProgram(ImageBased):
         """`Joints` that violate view and walls as little as the limits of the joints allow."""
         q_dot, slacks, multipliers, feasible = self.relaxed(H, -H @ arm.wanted, A, b, np.arange(len(rooms.h)))
         if not feasible:
-            return Joints(np.clip(0.0, arm.low, arm.high), Status.JOINT_LIMIT,
-                          "standing still, the limits of the joints contradict each other")
+            return self._stand(arm, "the limits of the joints contradict each other")
         joints = self._answer(arm, rooms.names, q_dot, multipliers)
         text = f"infeasible, slack per second: {told(rooms.names, slacks)}"
         return Joints(np.clip(joints.q_dot, arm.low, arm.high), Status.JOINT_LIMIT, text)
+
+    def _stand(self, arm, why):
+        return Joints(np.clip(0.0, arm.low, arm.high), Status.JOINT_LIMIT, f"standing still, {why}")
 
     def _answer(self, arm, rooms, q_dot, multipliers):
         """`Joints`, with the names of the constraints that bind. Args: rooms: names.  multipliers: of them, then of the

@@ -17,12 +17,8 @@ AWAY = ("z > 0 (away from the camera)", lambda normal: normal[2] > 0.0)
 class AdaptiveGainSettings:
     """Section `servo.adaptive_gain`: the gains become smaller where the error is large (T22)."""
 
-    infinity_part: float = setting(
-        above=0, below=1,
-        help="Factor on the gains far from the goal; at the goal it is 1.")
-    slope: float = setting(
-        above=0,
-        help="How fast the factor falls near the goal, per unit of the largest error.")
+    infinity_part: float = setting(above=0, below=1, help="Factor on the gains far from the goal; at the goal it is 1.")
+    slope: float = setting(above=0, help="How fast the factor falls near the goal, per unit of the largest error.")
 
 
 @dataclass(frozen=True)
@@ -43,8 +39,7 @@ class LawSetup:
         help="Which matrix `ibvs` and `sliding` invert: that at the goal, that of the current view, or the mean of "
              "both (second-order minimisation).")
     adaptive_gain: Optional[AdaptiveGainSettings] = setting(
-        None,
-        help="If given, the gains become smaller where the error is large (T22).")
+        None, help="If given, the gains become smaller where the error is large (T22).")
     smooth_start_per_s: float = setting(
         0.0, unit="1/s", at_least=0,
         help="The camera starts from rest and reaches the twist of the law at this rate (T23); 0: at once.")

@@ -2,13 +2,13 @@
 
 from dataclasses import dataclass
 from math import copysign, exp, log
-from typing import Sequence, Tuple
+from typing import Tuple
 
 import numpy as np
 
 from ..config.settings import setting
 from ..ground.errors import ParameterError
-from .base import LawSetup, register_law
+from .base import register_law
 from .image import ImageBased
 
 
@@ -29,20 +29,16 @@ class SlidingSettings:
 class Sliding(ImageBased):
     """e_dot = -lambda e - kappa phi sat(e / phi) (T31).
 
-    Outside the boundary layer, |e| > phi, the error falls at a constant rate on top of the proportional one. A
-    disturbance of e_dot (a wrong matrix, wrong depths, a moving target) smaller than (lambda + kappa) phi cannot push
-    |e| out of the layer; inside, a constant disturbance d leaves an error of d / (lambda + kappa). The command does not
-    chatter, because the law is linear inside the layer and because each twist is the one that brings e to where the
-    continuous law would have it at the next image.
+    A disturbance of e_dot (a wrong matrix, wrong depths, a moving target) smaller than (lambda + kappa) phi cannot push
+    |e| out of the boundary layer. The command does not chatter, because the law is linear inside the layer and because
+    each twist is the one that brings e to where the continuous law would have it at the next image.
 
-    References: W. Gao, J. C. Hung, "Variable structure control of nonlinear systems: a new approach", IEEE T-IE 40(1),
-    1993 (constant plus proportional rate). J.-J. Slotine, W. Li, Applied Nonlinear Control, 1991, chapter 7 (boundary
-    layer). P. Zanne, G. Morel, F. Plestan, "Robust vision based 3D trajectory tracking using sliding mode control",
-    ICRA 2000.
+    References: T31, and P. Zanne, G. Morel, F. Plestan, "Robust vision based 3D trajectory tracking using sliding mode
+    control", ICRA 2000.
     """
 
-    def __init__(self, gains_per_s: Sequence[float], setup: LawSetup = LawSetup()) -> None:
-        super().__init__(gains_per_s, setup)
+    def _prepare(self):
+        super()._prepare()
         self._switching, self._boundary = self.settings.switching_per_s, self.settings.boundary
         if len(self._boundary) != len(self.features):
             raise ParameterError(f"{self.name}.boundary: found {len(self._boundary)} numbers, allowed "

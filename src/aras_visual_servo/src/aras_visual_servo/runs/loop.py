@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Callable, Iterator, NamedTuple, Optional,
 
 import numpy as np
 
-from ..features.sources import source_named
+from ..features.sources.base import source_named
 from ..ground.errors import ParameterError
 from ..ground.types import Observation, Reference, ServoRecord, Status
 from ..servo.servo import Servo

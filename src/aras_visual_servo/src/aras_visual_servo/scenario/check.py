@@ -10,7 +10,7 @@ from ..config.plugins import load_plugins
 from ..config.reader import Names, build, keyed
 from ..config.validate import REMOVED, Fault, Path, shown, validate
 from ..features.base import expand, source_of
-from ..features.sources import known_sources, source_named
+from ..features.sources.base import known_sources, source_named
 from ..ground.errors import ArasError, ParameterError
 from ..ground.types import FEATURE_NAMES
 from ..servo.settings import ServoSettings, names_in

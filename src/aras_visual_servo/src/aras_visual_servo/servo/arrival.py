@@ -41,7 +41,6 @@ class Arrival(Stage):
         return self._below_ns is not None
 
     def apply(self, tick: Tick) -> Tick:
-        """Returns the tick as judged; at rest where the servo has arrived."""
         if tick.features is None:
             self.rule.clear()
             self._below_ns, self.displaced = None, ""
@@ -54,28 +53,23 @@ class Arrival(Stage):
             pose = self._goal.pose.of(np.array(answer.e), tilt)
         arrived = rule.arrived(tick.stamp_ns, answer.e, tilt, pose, X_BC, answer.pose is not None)
         published, self.displaced = config.stop.rule == "published", ""
-        if rule.close and self._tells_displaced and self._goal.knows_place:
+        if rule.close and self._tells_displaced and self._goal.reference.posture is not None:
             self.displaced = displaced_target(self._goal.displacement(X_BC), pose, config.stop)
-        if published:
-            below = answer.settled and all([abs(e) < most for e, most in zip(answer.e, config.thresholds)])
-        else:
-            below = answer.settled and not rule.lacking
-        if not below:
+        within = (all([abs(e) < most for e, most in zip(answer.e, config.thresholds)]) if published
+                  else not rule.lacking)
+        if not (answer.settled and within):
             self._below_ns = None
         elif self._below_ns is None:
             self._below_ns = tick.stamp_ns
-        tick.judged, tick.status = rule.judged, Status.SERVOING
-        tick.text = f"servoing; {self.displaced}" if self.displaced else "servoing"
-        if config.track or not below:
+        displaced = f"; {self.displaced}" if self.displaced else ""
+        tick.judged, tick.status, tick.text = rule.judged, Status.SERVOING, f"servoing{displaced}"
+        if config.track or not self.below:
             return tick
         if published and tick.stamp_ns - self._below_ns >= 1e9 * config.hold_s:
-            return self._end(tick, Status.STOPPED_BY_RULE, "stopped by the published rule")
+            return tick.rest(Status.STOPPED_BY_RULE, f"stopped by the published rule{displaced}")
         if arrived and not published:
-            return self._end(tick, Status.CONVERGED, "features, tilt and pose within their thresholds")
+            return tick.rest(Status.CONVERGED, f"features, tilt and pose within their thresholds{displaced}")
         return tick
-
-    def _end(self, tick: Tick, status: Status, text: str) -> Tick:
-        return tick.rest(status, f"{text}; {self.displaced}" if self.displaced else text)
 
     def rest(self, tick: Tick) -> Tick:
         """Forgets the images seen, unless the servo has ended."""

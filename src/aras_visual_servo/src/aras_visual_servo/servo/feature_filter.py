@@ -42,9 +42,7 @@ class FilterSettings:
     latency_s: float = setting(
         0.0, unit="s", at_least=0,
         help="Time from an image to when its answer acts: the features are foreseen this far ahead.")
-    noise: float = setting(
-        0.001, above=0,
-        help="Noise of a measured feature (standard deviation), in its unit.")
+    noise: float = setting(0.001, above=0, help="Noise of a measured feature (standard deviation), in its unit.")
     acceleration: float = setting(
         1.0, above=0,
         help="Change of a feature's rate by the target's motion (standard deviation), in its unit per s^2: a larger "

@@ -2,16 +2,10 @@
 
 A law that only knows the error lags behind a target that moves at v by v / lambda. The target's own motion is the
 motion that is seen, less the camera's motion. The difference is taken in space and not in the image, because there a
-target with a constant velocity has a constant velocity however the camera turns (T45):
+target with a constant velocity has a constant velocity however the camera turns. A Kalman filter follows a point of the
+target and the attitude of the goal in B, and the camera moves as if it were fixed to the target (docs/theory.md T45).
 
-1. The error says where the goal of the camera is now, X_CG, and the joints say where the camera is, X_BC.
-2. A Kalman filter with a constant-velocity model follows a point of the target and the attitude of the goal in B.
-3. The camera moves as if it were fixed to the target. The law corrects only the error that remains.
-
-References:
-    P. I. Corke and M. C. Good, IEEE T-RA 12(5), 1996 (feed-forward of the target's velocity).
-    F. Chaumette and A. Santos, IFAC World Congress, 1993 (de/dt of the target by a Kalman filter).
-    F. Bensalah and F. Chaumette, IROS 1995 (targets that change their motion abruptly).
+References: T45, and F. Bensalah and F. Chaumette, IROS 1995 (targets that change their motion abruptly).
 """
 
 from dataclasses import dataclass
@@ -42,15 +36,12 @@ class FeedForwardSettings:
              "as well.")
     acceleration_rad_s2: float = setting(1.0, unit="rad/s^2", above=0, help="The same of their turn.")
     noise_m: float = setting(
-        0.0003, unit="m", above=0,
-        help="Noise of the place that one image gives the goal (standard deviation).")
+        0.0003, unit="m", above=0, help="Noise of the place that one image gives the goal (standard deviation).")
     noise_rad: float = setting(0.001, unit="rad", above=0, help="Noise of the attitude that one image gives it.")
     speed_m_s: float = setting(
-        0.1, unit="m/s", above=0,
-        help="Speed of targets like this one, before anything was seen (standard deviation).")
+        0.1, unit="m/s", above=0, help="Speed of targets like this one, before anything was seen (standard deviation).")
     turn_rad_s: float = setting(
-        0.3, unit="rad/s", above=0,
-        help="Turn of targets like this one, before anything was seen.")
+        0.3, unit="rad/s", above=0, help="Turn of targets like this one, before anything was seen.")
     part: float = setting(1.0, at_least=0, at_most=1, help="Part of the estimated motion that is fed forward.")
 
 
@@ -112,7 +103,6 @@ class TargetMotion(Stage):
         self.clear()
 
     def apply(self, tick: Tick) -> Tick:
-        """Returns the tick with the twist of a camera that moves along with the target added."""
         tick.twist = tick.twist + self.twist(tick.stamp_ns, tick.X_BC, tick.answer.s, tick.answer.e)
         return tick
 

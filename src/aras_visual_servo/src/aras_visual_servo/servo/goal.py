@@ -7,7 +7,7 @@ import numpy as np
 
 from ..arm.kinematics import RobotKinematics
 from ..features.base import FeatureSet, View
-from ..features.sources import source_named
+from ..features.sources.base import source_named
 from ..ground.errors import DegenerateFeature, ParameterError
 from ..ground.types import Reference
 from .stop_rule import GoalPose
@@ -84,11 +84,6 @@ class Goal:
             raise ParameterError("the reference holds no posture: teach it again")
         return self._X_CgB @ X_BC
 
-    @property
-    def knows_place(self) -> bool:
-        """Whether the reference says where the camera was."""
-        return self._X_CgB is not None
-
     def plane(self, X_BC: np.ndarray) -> np.ndarray:
         """Returns (A, B, C), (3,), of the target, at rest, in the frame of a camera at X_BC [1/m] (T21).
 
@@ -100,8 +95,5 @@ class Goal:
         return (self.reference.plane_C @ X_CgC[:3, :3]) / (1.0 - self.reference.plane_C @ X_CgC[:3, 3])
 
     def plane_at(self, q: Any) -> np.ndarray:
-        """Returns (A, B, C), (3,), of the target at rest, in the camera frame at joint positions q [1/m].
-
-        Raises ParameterError: nothing was taught, or the reference does not tell where the target is.
-        """
+        """`plane` of the camera at joint positions q."""
         return self.plane(self.kinematics.pose(self.kinematics.vector(q)))

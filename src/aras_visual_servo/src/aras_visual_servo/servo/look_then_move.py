@@ -1,5 +1,6 @@
 """Look then move: one image, one move of the set-points, wait until the arm rests, the next image (T15)."""
 
+from dataclasses import dataclass
 from math import inf
 from typing import Any, Optional, Tuple
 
@@ -11,8 +12,8 @@ from ..arm.motion import ArmMotion
 from ..arm.trajectory import JointTrajectory
 from ..ground.types import Status
 from .arrival import Arrival
+from .gates import Hindrance
 from .stage import Stage, Tick
-from .time_limit import Hindrance
 
 #: A look's displacement is followed in this many steps (the arm's Jacobian turns on the way), and this part of the tilt
 #: is corrected by each look.
@@ -23,9 +24,7 @@ _MOVING = (Status.SERVOING, Status.JOINT_LIMIT, Status.NEAR_SINGULARITY)
 class LookThenMove(Stage):
     """The moves of the set-points, one after the other.
 
-    Attributes:
-        set_point: (n,) joint set-points as commanded last, None until they are known.
-        under_way: a move is not finished, or its joints have not settled.
+    Attributes: set_point: (n,) joint set-points as commanded last, None until they are known.
     """
 
     def __init__(self, kinematics: RobotKinematics, arm: ArmMotion, config: Any, arrival: Arrival, hindrance: Hindrance,
@@ -54,23 +53,22 @@ class LookThenMove(Stage):
 
     def followed(self, tick: Tick) -> Tick:
         """Returns the tick with the next period of the move under way."""
-        set_point, q_dot = self.follow(tick.stamp_ns, tick.dt_s)
+        t_s = 1e-9 * (tick.stamp_ns - self._begin_ns)
+        self._followed_s = t_s + tick.dt_s
+        self.set_point, q_dot = self._move.step(t_s, tick.dt_s)
         if tick.status not in _MOVING:
             tick = tick.set(status=Status.SERVOING, text="moving")
-        return tick.set(q_dot=q_dot, set_point=set_point)
+        return tick.set(q_dot=q_dot, set_point=self.set_point)
 
     def rest(self, tick: Tick) -> Tick:
         """Breaks the move off where it is, and follows what moves the arm while the target is lost."""
-        if self.under_way:
-            tick = tick.set(set_point=self.break_off(tick.stamp_ns))
+        if self._move is not None:
+            t_s = min(1e-9 * (tick.stamp_ns - self._begin_ns), self._followed_s)
+            self.set_point = tick.set_point = self._move.position(t_s)
+            self._move = self._last = None
         if self.set_point is not None:
             self.set_point = self._kinematics.moved(self.set_point, tick.q_dot * tick.dt_s, 1.0)
         return tick
-
-    @property
-    def under_way(self) -> bool:
-        """Whether the last move is not finished."""
-        return self._move is not None
 
     def plan(self, stamp_ns: int, q: np.ndarray, X_BC: np.ndarray, twist: np.ndarray,
              target_C: Optional[Tuple[float, float, float]]) -> Tuple[np.ndarray, float, Optional[str]]:
@@ -106,8 +104,10 @@ class LookThenMove(Stage):
         self._begin_ns = stamp_ns
         return twist, manipulability, shortened_by
 
-    def goes_on(self, stamp_ns: int, q: np.ndarray) -> bool:
-        """Returns whether the move is still under way or settling at q; if not, it is over."""
+    def under_way(self, stamp_ns: int, q: np.ndarray) -> bool:
+        """Returns whether a move is not finished, or its joints have not settled at q."""
+        if self._move is None:
+            return False
         way, speed = self._kinematics.way, inf
         if self._last is not None:
             speed = float(np.abs(way(self._last[1], q)).max()) / (1e-9 * (stamp_ns - self._last[0]))
@@ -121,28 +121,12 @@ class LookThenMove(Stage):
             return False
         return True
 
-    def follow(self, stamp_ns: int, dt_s: float) -> Tuple[np.ndarray, np.ndarray]:
-        """Returns (set-points, velocities), (n,) each, of the move under way, for the next dt_s."""
-        t_s = 1e-9 * (stamp_ns - self._begin_ns)
-        self._followed_s = t_s + dt_s
-        self.set_point, q_dot = self._move.step(t_s, dt_s)
-        return self.set_point, q_dot
 
-    def break_off(self, stamp_ns: int) -> np.ndarray:
-        """Ends the move where the integrated set-point now is, (n,); the next look starts from there."""
-        t_s = min(1e-9 * (stamp_ns - self._begin_ns), self._followed_s)
-        self.set_point = self._move.position(t_s)
-        self._move = self._last = None
-        return self.set_point
-
-
+@dataclass(eq=False)
 class UnderWay(Stage):
     """Gate: takes no look while a move is under way or its joints have not settled."""
 
-    def __init__(self, moves: LookThenMove) -> None:
-        self._moves = moves
+    moves: LookThenMove
 
     def apply(self, tick: Tick) -> Tick:
-        """Returns the tick, with the next period of the move under way."""
-        moves = self._moves
-        return moves.followed(tick) if moves.under_way and moves.goes_on(tick.stamp_ns, tick.q) else tick
+        return self.moves.followed(tick) if self.moves.under_way(tick.stamp_ns, tick.q) else tick

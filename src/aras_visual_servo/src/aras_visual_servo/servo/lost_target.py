@@ -7,7 +7,7 @@ here.
 from collections import deque
 from dataclasses import dataclass
 from math import atan2, ceil, cos, pi, sin
-from typing import TYPE_CHECKING, Any, List, NamedTuple, Optional, Tuple
+from typing import TYPE_CHECKING, Any, List, Optional, Tuple
 
 import numpy as np
 
@@ -17,7 +17,6 @@ from ..ground.types import Status
 from ..spatial import exponential, inverse, rotation_vector
 from .feature_filter import FeatureFilter
 from .stage import Stage, Tick
-from .stale import foreseen
 
 if TYPE_CHECKING:  # C++: not needed to describe the settings of this file
     from ..arm.kinematics import RobotKinematics
@@ -42,12 +41,10 @@ class LostTargetSettings:
     """Section `servo.lost_target`: how the arm backs off or searches, where `on_lost` says so."""
 
     patience_s: float = setting(
-        0.1, unit="s", at_least=0,
-        help="The arm holds still for this long first: something may have passed by.")
+        0.1, unit="s", at_least=0, help="The arm holds still for this long first: something may have passed by.")
     speed: float = setting(0.5, unit="m/s, rad/s", above=0, help="Speed of the fastest joint.")
     confirm_s: float = setting(
-        0.2, unit="s", at_least=0,
-        help="The target has to be seen for this long before the law takes over again.")
+        0.2, unit="s", at_least=0, help="The target has to be seen for this long before the law takes over again.")
     slow_down: float = setting(
         0.5, above=0, at_most=1,
         help="The twist of the law is multiplied by this after each recovery, so that what overshot does not do so "
@@ -67,15 +64,6 @@ class LostTargetSettings:
     rings: int = setting(3, at_least=1, help="Number of rings of a search.")
     speed_m_s: float = setting(0.1, unit="m/s", above=0, help="Speed of the camera in a search.")
     turn_rad_s: float = setting(0.3, unit="rad/s", above=0, help="Turn of the camera in a search.")
-
-
-class Recovery(NamedTuple):
-    """Answer to an image without the target. q_dot: (n,).  twist: (6,).  gave_up: the servo is to stop."""
-
-    q_dot: np.ndarray
-    twist: np.ndarray
-    text: str
-    gave_up: bool = False
 
 
 def search_places(config: LostTargetSettings, first_angle: float) -> List[np.ndarray]:
@@ -117,17 +105,11 @@ class LostTarget(Stage):
         if tick.features is None:
             return tick
         text = self._source.why_lost(tick.features)
-        if text:
-            return tick.set(features=None) if foreseen(self._tracker, tick) else self.recover(tick, text)
-        return tick if self.found(tick.stamp_ns) else self.recover(tick, "", visible=True)
-
-    def recover(self, tick: Tick, text: str, visible: bool = False) -> Tick:
-        """Returns the tick of an image without a usable target. Args: visible: it is seen, but not for long enough."""
-        recovery = self.step(tick.stamp_ns, tick.q, tick.dt_s, visible)
-        if recovery is None:
-            return tick.rest(Status.TARGET_LOST, text)
-        tick = tick.rest(Status.STOPPED if recovery.gave_up else Status.TARGET_LOST, recovery.text)
-        return tick.set(q_dot=recovery.q_dot, twist=recovery.twist)
+        if not text:
+            return tick if self.found(tick.stamp_ns) else self.recover(tick, "", visible=True)
+        if self._tracker is not None and self._tracker.foresees(tick.stamp_ns):
+            return tick.set(features=None)
+        return self.recover(tick, text)
 
     def _found(self) -> None:
         self._lost_ns = self._seen_ns = self._here = self._places = None
@@ -155,40 +137,38 @@ class LostTarget(Stage):
         self._path.append(q)
         self._direction = atan2(getattr(features, "yg", 0.0), getattr(features, "xg", 0.0))
 
-    def step(self, stamp_ns: int, q: np.ndarray, dt_s: float, visible: bool) -> Optional[Recovery]:
-        """Answer to an image without the target, or to one that shows it (visible) but not for long enough yet.
+    def recover(self, tick: Tick, text: str, visible: bool = False) -> Tick:
+        """Returns the tick of an image without a usable target, with the motion of the recovery.
 
-        None: hold still.
-
-        Args: q: (n,) measured at stamp_ns.  dt_s: time the answer holds, > 0 [s].
+        Args: text: why the target is lost.  visible: it is seen, but not for long enough yet.
         """
-        config = self._config
+        config, tick = self._config, tick.rest(Status.TARGET_LOST, text)
         if self._action == "hold":
-            return None
-        zeros, twist = np.zeros_like(q), np.zeros(6)
+            return tick
         if self._lost_ns is None:
-            self._lost_ns = stamp_ns
+            self._lost_ns = tick.stamp_ns
             if self.recoveries >= config.attempts:
-                return Recovery(zeros, twist, f"target lost once more after {self.recoveries} recoveries", True)
+                return tick.set(status=Status.STOPPED,
+                                text=f"target lost once more after {self.recoveries} recoveries")
         if not visible:
             self._seen_ns = None
-        lost_s = 1e-9 * (stamp_ns - self._lost_ns)
+        lost_s = 1e-9 * (tick.stamp_ns - self._lost_ns)
         if lost_s >= config.time_limit_s:
-            return Recovery(zeros, twist, f"target lost for {config.time_limit_s:g} s", True)
+            return tick.set(status=Status.STOPPED, text=f"target lost for {config.time_limit_s:g} s")
         if not self._path:
-            return Recovery(zeros, twist, "target not in view, never seen")
+            return tick.set(text="target not in view, never seen")
         if not self._moved and lost_s < config.patience_s:
-            return Recovery(zeros, twist, "target not in view, waiting")
+            return tick.set(text="target not in view, waiting")
         self._moved = True
         state = "in view again" if visible else "target not in view"
         if self._action == "back_off":
-            q_dot = self._back(q, dt_s)
-            text = f"{state}, backing off: {len(self._path)} images of the path left"
-            return Recovery(q_dot, self._kinematics.jacobian(q) @ q_dot, text)
+            q_dot = self._back(tick.q, tick.dt_s)
+            return tick.set(q_dot=q_dot, twist=self._kinematics.jacobian(tick.q) @ q_dot,
+                            text=f"{state}, backing off: {len(self._path)} images of the path left")
         if visible:  # stay where it is seen
-            return Recovery(zeros, twist, f"{state}, search ends")
-        q_dot, twist, place = self._look_around(stamp_ns, q, dt_s)
-        return Recovery(q_dot, twist, f"{state}, searching: {place}")
+            return tick.set(text=f"{state}, search ends")
+        q_dot, twist, place = self._look_around(tick.stamp_ns, tick.q, tick.dt_s)
+        return tick.set(q_dot=q_dot, twist=twist, text=f"{state}, searching: {place}")
 
     def _back(self, q: np.ndarray, dt_s: float) -> np.ndarray:
         """Joint velocities that go back along the path for dt_s, at the speed limit; zeros at its end."""
@@ -208,46 +188,46 @@ class LostTarget(Stage):
 
     def _look_around(self, stamp_ns: int, q: np.ndarray, dt_s: float) -> Tuple[np.ndarray, np.ndarray, str]:
         """Joint velocities towards the present place of the search, the twist, and which place it is."""
+        config = self._config
+
+        def time_s(way):
+            """Time that a way takes at full speed of the camera [s]."""
+            return _longest(way, config.speed_m_s, config.turn_rad_s)
+
         if self._places is None:
             X_BH = self._kinematics.pose(self._path[-1])
-            places = search_places(self._config, self._direction)
+            places = search_places(config, self._direction)
             self._places, self._place, self._until_ns = [X_BH @ exponential(place) for place in places], -1, stamp_ns
         way = None if self._place < 0 else self._way(q)
-        if way is None or stamp_ns >= self._until_ns or self._size(way) < NEAR_PART:
+        if way is None or stamp_ns >= self._until_ns or _longest(way, config.step_m, config.step_rad) < NEAR_PART:
             # Go on to the next place of the search, and from the last place to the first one.
             self._place = (self._place + 1) % len(self._places)
             way = self._way(q)
-            self._until_ns = stamp_ns + ceil(1e9 * (PATIENT * self._time_s(way) + WHILE_S))
-        twist = way / max(self._time_s(way), EASE_PERIODS * dt_s)
+            self._until_ns = stamp_ns + ceil(1e9 * (PATIENT * time_s(way) + WHILE_S))
+        twist = way / max(time_s(way), EASE_PERIODS * dt_s)
         motion = self._arm.joint_velocity(q, twist, *self._arm.at(q), dt_s)
         from ..arm.limits import velocity_factor  # C++: not needed to describe the settings of this file
         factor = velocity_factor(motion.q_dot, self._speed)
         return motion.q_dot * factor, motion.twist * factor, f"place {self._place + 1} of {len(self._places)}"
-
-    def _time_s(self, way: np.ndarray) -> float:
-        """Time that a way takes at full speed of the camera [s]."""
-        return float(max(np.linalg.norm(way[:3]) / self._config.speed_m_s,
-                         np.linalg.norm(way[3:]) / self._config.turn_rad_s))
 
     def _way(self, q: np.ndarray) -> np.ndarray:
         """Twist [v; w] in C that, held for 1 s, brings the camera from q to the present place (to first order)."""
         X_CP = inverse(self._kinematics.pose(q)) @ self._places[self._place]
         return np.concatenate([X_CP[:3, 3], rotation_vector(X_CP[:3, :3])])
 
-    def _size(self, way: np.ndarray) -> float:
-        """Length of a way in steps of the pattern."""
-        return float(max(np.linalg.norm(way[:3]) / self._config.step_m,
-                         np.linalg.norm(way[3:]) / self._config.step_rad))
+
+def _longest(way, linear, angular):
+    """The larger part of a way, (6,), in these units of its translation and its turn."""
+    return float(max(np.linalg.norm(way[:3]) / linear, np.linalg.norm(way[3:]) / angular))
 
 
+@dataclass(eq=False)
 class AfterLoss(Stage):
-    """Twist stage: remembers the path, and slows the law down after each recovery."""
+    """Twist stage: remembers the path, and slows the law down by `slow_down` after each recovery."""
 
-    def __init__(self, lost: LostTarget) -> None:
-        self._lost = lost
+    lost: LostTarget
 
     def apply(self, tick: Tick) -> Tick:
-        """Returns the tick, slower by `slow_down` for each recovery."""
         if tick.features is not None:
-            self._lost.servoed(tick.q, tick.features)
-        return tick.set(twist=tick.twist * self._lost.factor) if self._lost.recoveries else tick
+            self.lost.servoed(tick.q, tick.features)
+        return tick.set(twist=tick.twist * self.lost.factor) if self.lost.recoveries else tick

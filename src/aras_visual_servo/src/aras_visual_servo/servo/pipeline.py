@@ -6,21 +6,16 @@ import numpy as np
 
 from ..arm.motion import ArmMotion
 from ..laws.base import make_law
-from .arm import JointPlace, JointVelocity
 from .arrival import Arrival
-from .calm import Calm
-from .creep import CreepCompensation
 from .feature_filter import FeatureFilter
 from .feed_forward import TargetMotion
+from .gates import Hindrance, Stale, TimeLimit
 from .goal import Goal
-from .law import LawStage, SmoothStart
 from .look_then_move import LookThenMove, UnderWay
 from .lost_target import AfterLoss, LostTarget
 from .settings import ServoSettings
 from .stage import STAGES, SixNumbers, Stage
-from .stale import Stale
-from .tilt import Tilt
-from .time_limit import Hindrance, TimeLimit
+from .stages import Calm, CreepCompensation, JointPlace, JointVelocity, LawStage, SmoothStart, Tilt
 from .visibility import Visibility
 
 

@@ -20,7 +20,7 @@ from ..arm.kinematics import RobotKinematics
 from ..arm.motion import ArmMotion
 from ..config.plugins import described
 from ..features.base import View
-from ..features.sources import Source
+from ..features.sources.base import Source
 from ..ground.errors import DegenerateFeature, NotFiniteError, ParameterError
 from ..ground.types import FINAL, Command, Observation, Reference, ServoRecord, Status
 from ..laws.look import Answer

@@ -40,8 +40,7 @@ class ServoSettings(LawSetup):
         help="The control law by name: one of docs/features_and_laws.md, or one registered by you. A law that has "
              "settings of its own finds them in a section of its name.")
     plugins: Tuple[str, ...] = setting(
-        (),
-        help="Python modules that register features and laws of their own; they are imported first.")
+        (), help="Python modules that register features and laws of their own; they are imported first.")
     mode: str = setting(
         choices=MODES,
         help="`continuous`: a velocity for every image. `look_then_move`: one image, one move, settle, the next image.")
@@ -68,14 +67,12 @@ class ServoSettings(LawSetup):
         help="Rate at which the servo works off what joints creep against dry friction near the goal (T62); 0: not. "
              "Mode `continuous`, goals at rest.")
     input_timeout_s: float = setting(
-        0.2, unit="s", above=0,
-        help="A longer gap between images stops the arm for that image.")
+        0.2, unit="s", above=0, help="A longer gap between images stops the arm for that image.")
     tilt_gain_per_s: float = setting(
         3.0, unit="1/s", at_least=0,
         help="Return of the optical axis to its taught direction, from the joint positions; 0: it is not held.")
     sample_time_s: float = setting(
-        0.01, unit="s", above=0,
-        help="look_then_move: a look asks for gain times this of the error.")
+        0.01, unit="s", above=0, help="look_then_move: a look asks for gain times this of the error.")
     settle_speed: float = setting(
         0.002, unit="m/s, rad/s", above=0,
         help="look_then_move: joints have settled when they are slower than this and within settle_tolerance.")
@@ -86,18 +83,15 @@ class ServoSettings(LawSetup):
         1.0, unit="s", above=0,
         help="look_then_move: joints that have not settled after this long are taken as they are.")
     acceleration: float = setting(
-        2.0, unit="m/s^2, rad/s^2", above=0,
-        help="look_then_move: acceleration of the moves.")
+        2.0, unit="m/s^2, rad/s^2", above=0, help="look_then_move: acceleration of the moves.")
     inverse: InverseSettings = setting(InverseSettings(), help="From the twist of the camera to joint velocities.")
     null_space: NullSpaceSettings = setting(NullSpaceSettings(), help="Motion that leaves the camera where it is.")
     limits: LimitsSettings = setting(LimitsSettings(), help="Limits that are tighter than those of the URDF.")
     joint_limit_margin: float = setting(0.01, unit="m, rad", at_least=0, help="Kept to the limit of every joint.")
     visibility: Optional[VisibilitySettings] = setting(
-        None,
-        help="The object is kept in a view of this size (T43; 55 us).")
+        None, help="The object is kept in a view of this size (T43; 55 us).")
     feed_forward: Optional[FeedForwardSettings] = setting(
-        None,
-        help="The estimated motion of the target is fed forward (T45); mode `continuous` only.")
+        None, help="The estimated motion of the target is fed forward (T45); mode `continuous` only.")
     filter: Optional[FilterSettings] = setting(
         None,
         help="The features are filtered, foreseen while the target is not seen, and foreseen by a latency; mode "

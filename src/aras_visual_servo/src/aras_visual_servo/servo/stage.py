@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Callable, Optional, Tuple, Type, TypeVar
 
 import numpy as np
 
-from ..config.settings import keys_of, settings_of
+from ..config.settings import register, settings_of
 from ..features.base import View
 from ..ground.errors import ParameterError
 from ..ground.registry import Registry
@@ -129,12 +129,9 @@ S = TypeVar("S", bound=Stage)
 def register_stage(name: str, settings: Optional[type] = None) -> Callable[[Type[S]], Type[S]]:
     """Returns a class decorator that makes a stage known by name, for `servo.stages` of a scenario.
 
-    Args: settings: settings class of the stage's own section `servo.NAME`, or None.
-    Raises ParameterError: `settings` is not a frozen dataclass whose fields are made by `setting`.
+    Args and errors: of `settings.register`.
     """
-    if settings is not None:
-        keys_of(settings)
-    return STAGES.register(name, name=name, settings_class=settings)
+    return register(STAGES, name, settings, name=name)
 
 
 def six_numbers(twist: Any) -> np.ndarray:

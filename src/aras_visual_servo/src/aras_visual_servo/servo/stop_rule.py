@@ -1,16 +1,11 @@
 """When the servo has arrived: the features, what else is held, and the pose that the errors stand for, all together.
 
-Feature errors alone do not tell. A tilt of the camera and a translation cancel in xn and yn, and where the interaction
-matrix is ill conditioned a small error stands for a large displacement. So CONVERGED asks for four things at once, over
-`hold_s`: the mean of every feature error below its threshold; the tilt that is held from the joints below `tilt_rad`;
-the displacement of the camera from the goal, at each image of that time, below `position_m` and `rotation_rad`; and a
-camera that moves by less than half of these.
-
-The displacement of one image is L*^+ e, with L* the interaction matrix of the goal and the tilt taken from the joints
-(T60); laws that work on the pose give it themselves. One image is noisy. But the joints say exactly how the camera
-moved between images, so every image of the last AVERAGED_S seconds tells where the camera is now, and their mean is
-used. Its standard error, and that of the goal as it was taught, count as distance, so that noise cannot pass for
-arrival (T61).
+Feature errors alone do not tell: a tilt of the camera and a translation cancel in xn and yn. So CONVERGED asks for four
+things at once, over `hold_s`: the mean of every feature error below its threshold; the tilt that is held from the
+joints below `tilt_rad`; the displacement of the camera from the goal, at each image of that time, below `position_m`
+and `rotation_rad`; and a camera that moves by less than half of these. The displacement of one image is L*^+ e (T60);
+laws that work on the pose give it themselves. Images of the last AVERAGED_S seconds are averaged, and the standard
+error counts as distance, so that noise cannot pass for arrival (T61).
 
 The published rule, |e| < thresholds and nothing else, is there by name. It ends a run with a status of its own.
 """
@@ -153,8 +148,7 @@ class StopRule:
         tilt_rad = nan if tilt is None else (tilt[0] * tilt[0] + tilt[1] * tilt[1]) ** 0.5
         self.close = self._is_close(e, tilt_rad, pose if pose_of_law else None)
         if not self.close:
-            if self._last_ns is not None:
-                self.clear()
+            self.clear()
             self.judged = (tilt_rad, *_size(pose))
             lacking = [name for name, error, most in zip(self._names, e, self._thresholds) if not abs(error) < most]
             self.lacking = (*lacking, "tilt") if tilt_rad >= self._settings.tilt_rad else tuple(lacking)
@@ -177,13 +171,10 @@ class StopRule:
         return not self.lacking and stamp_ns - self._since_ns >= self._hold_ns
 
     def _is_close(self, e: Sequence[float], tilt_rad: float, pose: Optional[np.ndarray]) -> bool:
-        settings = self._settings
-        if tilt_rad > CLOSE * settings.tilt_rad or not all([abs(error) < most for error, most in zip(e, self._close)]):
-            return False
-        if pose is None:
-            return True
-        position, rotation = _size(pose)
-        return not (position > CLOSE * settings.position_m or rotation > CLOSE * settings.rotation_rad)
+        settings, (position, rotation) = self._settings, _size(pose)
+        far = (tilt_rad > CLOSE * settings.tilt_rad or position > CLOSE * settings.position_m
+               or rotation > CLOSE * settings.rotation_rad)
+        return not far and all([abs(error) < most for error, most in zip(e, self._close)])
 
     def _moved(self, X_BC: np.ndarray) -> np.ndarray:
         """(6,) displacement by the joints since the first image close to the goal; zeros if the goal may move."""

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from aras_visual_servo import accelerated, position_factor, velocity_factor
-from aras_visual_servo.arm.chatter import Chatter
+from aras_visual_servo.arm.motion import Chatter
 from aras_visual_servo.arm.limits import braking_factor, joint_bounds, limit_factors
 
 ROUNDING = 1e-15  # of one division

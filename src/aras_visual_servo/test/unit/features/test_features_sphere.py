@@ -164,7 +164,7 @@ SQUARE = 0.2 * np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
 @pytest.mark.parametrize("name, here, text", [
     ("xe", view(parallel_pose(), SQUARE), "the object is no circle or sphere"),
     ("ox", rounds.as_view(rounds.circle(ASLANT, 0.1)), "the object is no sphere"),
-    ("xe", View(Features(moment_names=("00", "10", "01", "20", "11", "02"), m=[0.0] * 6, mu=[0.0] * 6)), "area is 0"),
+    ("xe", View(Features(moment_names=("00", "10", "01", "20", "11", "02"), m=[0.0] * 6, mu=[0.0] * 6)), "area.* 0"),
     ("is", View(Features(point_x=(0.1, 0.1), point_y=(0.2, 0.2))), "seen in one direction"),
     ("is1", View(Features(point_x=(0.1, 0.3), point_y=(0.2, 0.2))), "found 2 points .*at least 3"),
     ("is5", seen(tilted_pose(1)), "found 4 points .*at least 5")])

@@ -4,13 +4,12 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from views import exponential, look_at, plane_of, SIX, tilted_pose, view
+from views import exponential, look_at, parallel, plane_of, SIX, tilted_pose, view
 
 from aras_visual_servo import (
     DegenerateFeature, FeatureSet, known_laws, Law, NotFiniteError, ParameterError, Reference, register_law,
     ShapeError, View)
 from aras_visual_servo.features.base import wrapped
-from aras_visual_servo.features.interaction import parallel
 from aras_visual_servo.laws.base import adaptive_factor, LawSetup, make_law
 from aras_visual_servo.laws.setup import AdaptiveGainSettings
 

@@ -7,7 +7,7 @@ import pytest
 from bench import Bench, DT_S, resting
 from toy_plant import GOAL, pose_error
 
-from aras_visual_servo import FEATURE_NAMES, Observation, Status
+from aras_visual_servo import FEATURE_NAMES, Observation, Status, Tick
 from aras_visual_servo.servo.lost_target import LostTarget, LostTargetSettings, search_places
 
 SPEED = 0.5  # default of lost_target/speed [m/s, rad/s]
@@ -224,6 +224,10 @@ def lost(action="back_off", **section):
     return LostTarget(Line(), None, action, LostTargetSettings(**section))
 
 
+def image(stamp_ns, q, dt_s):
+    return Tick(stamp_ns, dt_s, None, q, None)
+
+
 def seen(**features):
     return SimpleNamespace(**features)
 
@@ -232,7 +236,7 @@ def test_of_two_speeds_the_lower_one_holds_and_the_twist_is_that_of_the_camera()
     for speed, wanted in ((0.1, 0.1), (5.0, 0.4)):  # 0.4 is what the joints can do
         target = lost(speed=speed, patience_s=0.0)
         target.servoed(np.zeros(6), seen())
-        answer = target.step(0, np.full(6, 1.0), 0.1, False)
+        answer = target.recover(image(0, np.full(6, 1.0), 0.1), "")
         np.testing.assert_allclose(answer.q_dot, np.full(6, -wanted), atol=ROUNDING)
         np.testing.assert_allclose(answer.twist, -wanted * np.arange(1.0, 7.0), atol=ROUNDING)
 
@@ -241,7 +245,7 @@ def test_patience_ends_when_its_time_is_over():
     target = lost(patience_s=0.1)
     target.servoed(np.zeros(6), seen())
     for stamp_ns, waits in ((5_000, True), (100_004_999, True), (100_005_000, False)):
-        answer = target.step(stamp_ns, np.full(6, 1.0), 0.1, False)
+        answer = target.recover(image(stamp_ns, np.full(6, 1.0), 0.1), "")
         assert answer.text.endswith("waiting") == waits and answer.q_dot.any() != waits
 
 
@@ -251,7 +255,7 @@ def test_a_new_one_has_recovered_from_nothing_and_each_recovery_slows_the_law_do
     for k in (1, 2, 3):
         target.servoed(np.zeros(6), seen())
         assert target.recoveries == k - 1
-        target.step(k, np.ones(6), 0.1, False)
+        target.recover(image(k, np.ones(6), 0.1), "")
         assert target.found(k)
         target.servoed(np.zeros(6), seen())
         assert (target.recoveries, target.factor) == (k, 0.5**k)
@@ -273,7 +277,7 @@ def test_a_search_begins_in_the_direction_in_which_the_target_was_seen_last(xg, 
     target = LostTarget(Line(), Arm(), "search", LostTargetSettings(patience_s=0.0))
     target.servoed(np.zeros(6), seen(xg=-yg, yg=xg))  # elsewhere before
     target.servoed(np.zeros(6), seen(xg=xg, yg=yg))
-    target.step(0, np.zeros(6), 0.01, False)
+    target.recover(image(0, np.zeros(6), 0.01), "")
     assert np.arctan2(goals[0][1], goals[0][0]) == pytest.approx(angle, abs=ROUNDING)
 
 
@@ -289,4 +293,4 @@ def test_a_place_that_is_not_reached_is_left_after_twice_its_time_and_a_while():
     target = LostTarget(Line(), Stuck(), "search", LostTargetSettings(patience_s=0.0))
     target.servoed(np.zeros(6), seen(xg=1.0, yg=0.0))
     for stamp_ns, place in ((0, 1), (1_099_000_000, 1), (1_101_000_000, 2)):
-        assert f"place {place} of 24" in target.step(stamp_ns, np.zeros(6), 0.01, False).text
+        assert f"place {place} of 24" in target.recover(image(stamp_ns, np.zeros(6), 0.01), "").text

@@ -10,7 +10,7 @@ from toy_plant import arm, GOAL, pose_error
 import aras_visual_servo as avs
 from aras_visual_servo import FEATURE_NAMES, Servo, Status, Tick, View
 from aras_visual_servo.features.interaction import centroid
-from aras_visual_servo.servo.law import SmoothStart
+from aras_visual_servo.servo.stages import SmoothStart
 from aras_visual_servo.servo.look_then_move import LookThenMove
 from aras_visual_servo.servo.stage import STAGES
 from aras_visual_servo.servo.visibility import keep_in_view, VisibilitySettings

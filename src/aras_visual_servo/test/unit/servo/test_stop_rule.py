@@ -8,7 +8,7 @@ from toy_plant import GOAL, PERIOD_NS, START
 from aras_visual_servo import (
     FEATURE_NAMES, FeatureSet, ParameterError, Reference, ServoSettings, ShapeError, Status, StopSettings)
 from aras_visual_servo._kinematics import Arrival, between
-from aras_visual_servo.servo.creep import CreepCompensation, FASTEST
+from aras_visual_servo.servo.stages import CreepCompensation, FASTEST
 from aras_visual_servo.servo.stop_rule import GoalPose, StopRule
 from aras_visual_servo.spatial import exponential, inverse, rotation, rotation_vector
 
@@ -173,7 +173,7 @@ def test_compensation_is_bounded_and_forgets():
     for _ in range(200):  # a joint that sticks: told to go, and does not
         correction = compensation.correction(np.full(6, 0.01), np.eye(4), DT_S)
     np.testing.assert_allclose(correction, FASTEST)
-    compensation.clear()
+    compensation.rest(None)
     assert (compensation.correction(np.zeros(6), np.eye(4), DT_S) == 0.0).all()
 
 

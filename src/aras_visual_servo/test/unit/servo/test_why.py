@@ -9,7 +9,7 @@ from bench import Bench
 
 from aras_visual_servo import Status, StopSettings, Tick
 from aras_visual_servo.servo.arrival import DISPLACED, displaced_target
-from aras_visual_servo.servo.time_limit import FREE_S, Hindrance, TimeLimit
+from aras_visual_servo.servo.gates import FREE_S, Hindrance, TimeLimit
 from aras_visual_servo.spatial import exponential, rotation
 
 STOP = {"tilt_rad": 0.0003, "position_m": 0.0002, "rotation_rad": 0.0004}

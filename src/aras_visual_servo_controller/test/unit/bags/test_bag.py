@@ -16,7 +16,8 @@ from synthetic import SETTINGS, blob, make_record
 from aras_visual_servo import ShapeError, image_of
 from aras_visual_servo_controller.bags.bag import BagError, read_bag
 from aras_visual_servo.cli.main import main
-from aras_visual_servo.features import base as features, styles
+from aras_visual_servo.features import base as features
+from aras_visual_servo import styles
 from aras_visual_servo.runs.judge import judge
 
 SERVO_IMAGES = 30
@@ -148,7 +149,7 @@ def with_plugin(original, name):
 
 def test_features_of_a_plugin_are_shown_as_in_the_run(tmp_path, original, monkeypatch):
     (tmp_path / "plugin_of_a_bag.py").write_text(
-        "from aras_visual_servo.features import Feature, register_feature\n"
+        "from aras_visual_servo import Feature, register_feature\n"
         "register_feature('bent')(type('Bent', (Feature,), {'unit': '1/m'}))\n")
     monkeypatch.syspath_prepend(str(tmp_path))
     monkeypatch.setattr(sys, "dont_write_bytecode", True)

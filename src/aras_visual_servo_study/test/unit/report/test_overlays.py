@@ -10,7 +10,7 @@ from browser import CHROMIUM, Browser
 pytest.importorskip("cv2")
 pytest.importorskip("aras_visual_servo_sim")
 from aras_visual_servo.arm.robot import robot_kinematics  # noqa: E402
-from aras_visual_servo.features import styles  # noqa: E402
+from aras_visual_servo import styles  # noqa: E402
 from aras_visual_servo.features.base import feature_class, known_features  # noqa: E402
 from aras_visual_servo_study.report.image_plot import coloured_difference, image_plot  # noqa: E402
 from aras_visual_servo_study.report.joint_plot import joint_plot  # noqa: E402

@@ -9,7 +9,7 @@ import pytest
 
 pytest.importorskip("cv2")
 pytest.importorskip("aras_visual_servo_sim")
-from aras_visual_servo.features import expand, styles  # noqa: E402
+from aras_visual_servo import expand, styles  # noqa: E402
 from aras_visual_servo.palette import rgb  # noqa: E402
 from aras_visual_servo.ground.errors import ParameterError  # noqa: E402
 from aras_visual_servo_study.live.view.projection import project  # noqa: E402

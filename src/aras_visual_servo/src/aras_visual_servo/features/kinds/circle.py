@@ -8,9 +8,8 @@ Of a sphere: the direction c in which its centre is seen, over the sine of the a
 That is the place of the centre in radii, O / R, so that a translation of the camera moves it straight and a turn turns
 it rigidly (T71). The sphere's depth is that of the target's plane, which is taught as passing through its centre.
 
-References: B. Espiau, F. Chaumette, P. Rives, "A new approach to visual servoing in robotics", IEEE T-RA 8(3), 1992
-(circles). R. T. Fomena, F. Chaumette, "Improvements on visual servoing from spherical targets using a spherical
-projection model", IEEE T-RO 25(4), 2009 (spheres).
+Reference for circles: B. Espiau, F. Chaumette, P. Rives, "A new approach to visual servoing in robotics", IEEE T-RA
+8(3), 1992.
 """
 
 from math import pi, sqrt
@@ -20,7 +19,8 @@ import numpy as np
 
 from ...ground.errors import DegenerateFeature
 from ...spatial import skew
-from ..base import Feature, View, register_feature
+from .. import interaction
+from ..base import Feature, View, register_each
 from ...palette import BLUE, BROWN, GREEN, NAVY, VERMILION, VIOLET
 
 #: An object counts as an ellipse if its area differs by no more than this part from that of the ellipse with the same
@@ -32,12 +32,7 @@ NOT_ROUND = 0.03
 
 def ellipse(view: View) -> Tuple[float, float, float, float, float]:
     """(xg, yg, n20, n11, n02) of the object. Raises DegenerateFeature: its image is not an ellipse."""
-    m = view.m
-    area = m["00"]
-    if not area > 0.0:
-        raise DegenerateFeature(f"ellipse: area is {area}, must be > 0")
-    xg, yg = m["10"] / area, m["01"] / area
-    n20, n11, n02 = m["20"] / area - xg * xg, m["11"] / area - xg * yg, m["02"] / area - yg * yg
+    area, (xg, yg, n20, n11, n02) = view.m["00"], interaction.shape(view.m)
     determinant = n20 * n02 - n11 * n11
     elliptic = 4.0 * pi * sqrt(determinant) if determinant > 0.0 else 0.0
     if not abs(area - elliptic) <= NOT_ELLIPTIC * area:
@@ -54,8 +49,7 @@ def circle_rows(view: View) -> np.ndarray:
     over_Z = A * x + B * y + C
     along_x, along_y = A * n20 + B * n11, A * n11 + B * n02
     return np.array([
-        [-over_Z, 0.0, x * over_Z + 4.0 * along_x, x * y + 4.0 * n11, -(1.0 + x * x + 4.0 * n20), y],
-        [0.0, -over_Z, y * over_Z + 4.0 * along_y, 1.0 + y * y + 4.0 * n02, -x * y - 4.0 * n11, -x],
+        *interaction.centroid_rows((x, y, n20, n11, n02), view.plane),
         [-2.0 * along_x, 0.0, 2.0 * (over_Z * n20 + x * along_x), 2.0 * (y * n20 + x * n11), -4.0 * x * n20, 2.0 * n11],
         [-along_y, -along_x, 2.0 * over_Z * n11 + x * along_y + y * along_x, x * n02 + 3.0 * y * n11,
          -(y * n20 + 3.0 * x * n11), n02 - n20],
@@ -65,7 +59,9 @@ def circle_rows(view: View) -> np.ndarray:
 
 
 class _OfCircle(Feature):
-    sees_tilt, index = True, 0
+    """Of a circle's image (T70) [-]."""
+
+    sees_tilt = True
 
     def value(self, view):
         return view.shared(ellipse)[self.index]
@@ -74,13 +70,10 @@ class _OfCircle(Feature):
         return view.shared(circle_rows)[self.index]
 
 
-for _index, (_name, _symbol, _label, _colour) in enumerate((
-        ("xe", "x_e", "centre of the ellipse in x", BLUE), ("ye", "y_e", "centre of the ellipse in y", VERMILION),
-        ("e20", "e_20", "variance of the ellipse in x", NAVY), ("e11", "e_11", "covariance of the ellipse", VIOLET),
-        ("e02", "e_02", "variance of the ellipse in y", BROWN))):
-    register_feature(_name)(type(_name, (_OfCircle,), {
-        "index": _index, "__doc__": f"{_name} of a circle's image (T70) [-].", "symbol": _symbol, "label": _label,
-        "colour": _colour}))
+register_each(_OfCircle, (
+    ("xe", "x_e", "centre of the ellipse in x", BLUE), ("ye", "y_e", "centre of the ellipse in y", VERMILION),
+    ("e20", "e_20", "variance of the ellipse in x", NAVY), ("e11", "e_11", "covariance of the ellipse", VIOLET),
+    ("e02", "e_02", "variance of the ellipse in y", BROWN)))
 
 
 def sphere(view: View) -> Tuple[np.ndarray, float]:
@@ -101,7 +94,9 @@ def sphere(view: View) -> Tuple[np.ndarray, float]:
 
 
 class _OfSphere(Feature):
-    sees_tilt, index = True, 0
+    """Of a sphere's centre, in its radii (T71) [-]."""
+
+    sees_tilt = True
 
     def value(self, view):
         return float(view.shared(sphere)[0][self.index])
@@ -112,7 +107,5 @@ class _OfSphere(Feature):
         return np.concatenate([-over_R * np.eye(3)[self.index], skew(place)[self.index]])
 
 
-for _index, (_axis, _colour) in enumerate(zip("xyz", (BLUE, VERMILION, GREEN))):
-    register_feature(f"o{_axis}")(type(f"o{_axis}", (_OfSphere,), {
-        "index": _index, "__doc__": f"{_axis} of a sphere's centre, in its radii (T71) [-].", "symbol": f"o_{_axis}",
-        "label": f"centre of the sphere in {_axis}, in radii", "colour": _colour}))
+register_each(_OfSphere, ((f"o{axis}", f"o_{axis}", f"centre of the sphere in {axis}, in radii", colour)
+                          for axis, colour in zip("xyz", (BLUE, VERMILION, GREEN))))

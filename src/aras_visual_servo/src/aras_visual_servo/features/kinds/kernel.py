@@ -9,7 +9,7 @@ from typing import Sequence
 import numpy as np
 
 from ...ground.errors import DegenerateFeature
-from ..base import Feature, View, register_feature
+from ..base import Feature, register_each
 from ...palette import BLUE, VERMILION
 
 
@@ -46,41 +46,28 @@ def kernel_row(sums: Sequence[float], exponent: float, origin: float, plane: Seq
 
 
 class _Kernel(Feature):
-    letter, overlay = "", "kernel"
+    """Integral of X^-p or Y^-q over the object (T47) [-]; ky is kx of the view with its axes swapped."""
+
+    overlay = "kernel"
 
     def value(self, view):
-        """The projection in this view [-]."""
         return self._sums(view)[4]
+
+    def row(self, view):
+        exponent, origin, *integrals = self._sums(view)
+        A, B, C = view.plane
+        if self.index == 0:
+            return kernel_row(integrals, exponent, origin, view.plane)
+        vy, vx, vz, wy, wx, wz = kernel_row(integrals, exponent, origin, (B, A, C))
+        return np.array([vx, vy, vz, -wx, -wy, -wz])
 
     def _sums(self, view):
         """Eight numbers: p, x0 and the six integrals of `kernel_row`. Raises DegenerateFeature: the view has none."""
-        sums = getattr(view.features, "kernel_" + self.letter, ())
+        sums = getattr(view.features, "kernel_" + "xy"[self.index], ())
         if len(sums) != 8:
             raise DegenerateFeature(f"{self.name}: the camera computed no kernel projections, set vision.kernel")
         return sums
 
 
-@register_feature("kx")
-class KernelX(_Kernel):
-    """Integral of X^-p over the object (T47) [-]."""
-
-    symbol, label, colour = "k_x", "kernel projection in x", BLUE
-    letter = "x"
-
-    def row(self, view: View) -> np.ndarray:
-        p, x0, *integrals = self._sums(view)
-        return kernel_row(integrals, p, x0, view.plane)
-
-
-@register_feature("ky")
-class KernelY(_Kernel):
-    """Integral of Y^-q over the object (T47) [-]: kx of the view with its axes swapped."""
-
-    symbol, label, colour = "k_y", "kernel projection in y", VERMILION
-    letter = "y"
-
-    def row(self, view: View) -> np.ndarray:
-        q, y0, *integrals = self._sums(view)
-        A, B, C = view.plane
-        vy, vx, vz, wy, wx, wz = kernel_row(integrals, q, y0, (B, A, C))
-        return np.array([vx, vy, vz, -wx, -wy, -wz])
+register_each(_Kernel, (("kx", "k_x", "kernel projection in x", BLUE),
+                        ("ky", "k_y", "kernel projection in y", VERMILION)))

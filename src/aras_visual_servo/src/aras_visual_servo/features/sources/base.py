@@ -11,7 +11,7 @@ A feature names its source (`Feature.source`). The servo, the loop in process, t
 only. Topics and message types are plain text; this package imports nothing of ROS.
 """
 
-from typing import Any, Callable, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Type, TypeVar
+from typing import Any, Callable, Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Type, TypeVar
 
 import numpy as np
 
@@ -67,21 +67,25 @@ class Source:
         name: under which the source is registered.
         topic, message: ROS topic and type of its features; they are recorded with the group `features`.
         tell_reference: names of the fields in which features with different references differ.
+        extractor_class: name of a class of the camera package, which computes the features.
         section: key of the scenario's section `vision` that makes the camera node publish them; "" if no key is needed.
         sees_parts: a part of the target in view is enough.
     """
 
-    name, topic, message, section, sees_parts = "", "", "", "", False
+    name, topic, message, extractor_class, section, sees_parts = "", "", "", "", "", False
     tell_reference: Tuple[str, ...] = ("reference_stamp_ns", "z_star_m")
 
     def extractor(self, camera_info: Mapping[str, Any], vision: Mapping[str, Any]) -> Any:
         """The object that computes features from images when everything runs in one process.
 
+        The `extractor_class` of the camera package; a source from elsewhere makes its own.
         Args: camera_info: dict with the fields of CameraInfo.  vision: the scenario's section `vision` (dict).
         Returns: an object with these functions: process(image, stamp_ns) gives features; teach(stamp_ns, z_star_m)
             makes the image of this stamp, one of the last few, the reference; clear_reference() forgets it.
         """
-        raise NotImplementedError
+        import aras_visual_servo_camera  # here, so that this module can be imported without C++
+        extract = getattr(aras_visual_servo_camera, self.extractor_class)
+        return extract(camera_info, vision[self.section] if self.section else vision)
 
     def renewed(self, extractor: Any) -> Optional[Any]:
         """This extractor, as it was before its first image; None where that cannot be had and a new one is made."""
@@ -115,10 +119,12 @@ class Source:
         return views[0]
 
     @staticmethod
-    def mean_depths(views: Sequence[Any]) -> Tuple[float, ...]:
-        """(N,) mean of the depths of the followed points in those views that have them all; () where none has."""
+    def means(views: Sequence[Any], tuples: Iterable[str], numbers: Iterable[str]) -> Dict[str, Any]:
+        """The means of these fields of the views, by name, and of the depths `point_z` in those that have them all."""
         whole = [view.point_z for view in views if len(view.point_z) and np.isfinite(view.point_z).all()]
-        return tuple(np.mean(whole, axis=0).tolist()) if whole else ()
+        mean = {name: np.mean([getattr(view, name) for view in views], axis=0).tolist() for name in (*tuples, *numbers)}
+        depths = tuple(np.mean(whole, axis=0).tolist()) if whole else ()
+        return {**mean, **{name: tuple(mean[name]) for name in tuples}, "point_z": depths}
 
     def follow(self, extractor: Any, features: Any) -> None:
         """Gives an extractor the reference that these recorded features had, as far as their fields tell it.

@@ -3,8 +3,6 @@
 from dataclasses import replace
 from typing import Any, Mapping, Sequence
 
-import numpy as np
-
 from ...ground.types import Features
 from ..interaction import plane_from_pose
 from .base import Source, Taught, register_source
@@ -15,11 +13,7 @@ class Matches(Source):
     """Four points of the goal's plane, which the homography between both images moves; the pose follows from them."""
 
     topic, message, section = "camera/matches", "aras_visual_servo_msgs/MatchFeatures", "matches"
-    sees_parts = True
-
-    def extractor(self, camera_info: Mapping[str, Any], vision: Mapping[str, Any]) -> Any:
-        from aras_visual_servo_camera import MatchExtractor  # here: this module can be imported without C++
-        return MatchExtractor(camera_info, vision[self.section])
+    extractor_class, sees_parts = "MatchExtractor", True
 
     def wants_depth(self, vision: Mapping[str, Any]) -> bool:
         return "depth" in vision[self.section]
@@ -39,10 +33,7 @@ class Matches(Source):
 
     def mean(self, views: Sequence[Any]) -> Features:
         """The points one by one, and their middle."""
-        x, y = (tuple(np.mean([getattr(view, name) for view in views], axis=0).tolist())
-                for name in ("point_x", "point_y"))
-        middle = {name: float(np.mean([getattr(view, name) for view in views])) for name in ("xg", "yg", "xn", "yn")}
-        return replace(views[0], point_x=x, point_y=y, point_z=self.mean_depths(views), **middle)
+        return replace(views[0], **self.means(views, ("point_x", "point_y"), ("xg", "yg", "xn", "yn")))
 
 
 def points_view(features: Any, x: Sequence[float], y: Sequence[float], z_star_m: float,

@@ -17,11 +17,8 @@ class Moments(Source):
     """Features of the target as a dark or bright object in the image. The camera node always publishes them."""
 
     topic, message = "camera/features", "aras_visual_servo_msgs/MomentFeatures"
+    extractor_class = "MomentExtractor"
     tell_reference = ("reference_stamp_ns", "z_star_m", "area_star")
-
-    def extractor(self, camera_info: Mapping[str, Any], vision: Mapping[str, Any]) -> Any:
-        from aras_visual_servo_camera import MomentExtractor  # here, so that this module can be imported without C++
-        return MomentExtractor(camera_info, vision)
 
     def renewed(self, extractor: Any) -> Any:
         extractor.clear_reference()
@@ -52,15 +49,10 @@ class Moments(Source):
 
     def mean(self, views: Sequence[Any]) -> Features:
         """Moments, points and features one by one; alpha the short way round from the first view's."""
-        mean, first = replace(views[0]), views[0]
-        for name in ("m", "mu", *VIEW_POINTS):
-            if name != "point_z":
-                setattr(mean, name, tuple(np.mean([getattr(view, name) for view in views], axis=0).tolist()))
-        mean.point_z = self.mean_depths(views)
-        for name in ("area", "xg", "yg", "xn", "yn", "an"):
-            setattr(mean, name, float(np.mean([getattr(view, name) for view in views])))
-        mean.alpha = first.alpha + float(np.mean([remainder(view.alpha - first.alpha, pi) for view in views]))
-        return mean
+        first, points = views[0], [name for name in VIEW_POINTS if name != "point_z"]
+        mean = self.means(views, ("m", "mu", *points), ("area", "xg", "yg", "xn", "yn", "an"))
+        alpha = first.alpha + float(np.mean([remainder(view.alpha - first.alpha, pi) for view in views]))
+        return replace(first, alpha=alpha, **mean)
 
     def follow(self, extractor: Any, features: Any) -> None:
         """As of `Source`. Area and orientation come from the features; the orientation may be half a turn off."""

@@ -1,6 +1,6 @@
 """Source `photometric`: the grey levels of the whole image compared with those of the goal (PhotometricFeatures)."""
 
-from typing import Any, Mapping, NamedTuple, Sequence
+from typing import Any, NamedTuple, Sequence
 
 from .base import Source, Taught, register_source
 
@@ -17,10 +17,7 @@ class PhotometricSource(Source):
     """Features that the camera package sums up over the pixels. It also keeps the reference, which is an image."""
 
     topic, message, section = "camera/photometric", "aras_visual_servo_msgs/PhotometricFeatures", "photometric"
-
-    def extractor(self, camera_info: Mapping[str, Any], vision: Mapping[str, Any]) -> Any:
-        from aras_visual_servo_camera import PhotometricExtractor  # here: this module can be imported without C++
-        return PhotometricExtractor(camera_info, vision[self.section])
+    extractor_class = "PhotometricExtractor"
 
     def taught(self, features: Any, z_star_m: float, normal_C: Sequence[float]) -> Taught:
         return Taught(_SameImage())

@@ -15,11 +15,7 @@ class Tag(Matches):
     """Four corners, each known by the tag's code however the tag is turned; points and poses work on them."""
 
     topic, message, section = "camera/tag", "aras_visual_servo_msgs/TagFeatures", "tag"
-    sees_parts = False  # the whole tag has to be in view
-
-    def extractor(self, camera_info: Mapping[str, Any], vision: Mapping[str, Any]) -> Any:
-        from aras_visual_servo_camera import TagExtractor  # here: this module can be imported without C++
-        return TagExtractor(camera_info, vision[self.section])
+    extractor_class, sees_parts = "TagExtractor", False  # the whole tag has to be in view
 
     def wants_depth(self, vision: Mapping[str, Any]) -> bool:
         return False

@@ -18,7 +18,6 @@ from ...spatial import exponential
 MAX_LEFT = 0.02
 #: Iteration ends after a step shorter than this [m, rad]: the error that is left is about the square of the step.
 SHORT, MAX_STEPS = 1e-5, 20
-_BEHIND = "pose of the points: behind the camera"
 
 
 class PlanarPoints:
@@ -52,16 +51,11 @@ class PlanarPoints:
         return xy
 
     def improve(self, X_CT: np.ndarray, xy: np.ndarray) -> Tuple[np.ndarray, float, float, float]:
-        """One Gauss-Newton step.
-
-        Returns: (X_CT, largest residual of a coordinate before the step, condition number of the matrix, length of the
-        step).
-        """
-        if xy.shape != self._flat.shape:
-            raise DegenerateFeature(f"pose of the points: found {len(xy)} points in this view, {len(self._flat)} known")
+        """One step of `gauss_newton`, whose residuals are those of the coordinates."""
+        self._check_number(xy)
         X, Y, Z = X_CT[:3, :3] @ self.points_T.T + X_CT[:3, 3:]
         if not Z.min() > 0.0:
-            raise DegenerateFeature(_BEHIND)
+            raise DegenerateFeature("pose of the points: behind the camera")
         over_Z = 1.0 / Z
         x, y = X * over_Z, Y * over_Z
         L, xx, mixed, yy = np.zeros((2 * len(Z), 6)), x * x, x * y, y * y  # (T26)
@@ -69,13 +63,11 @@ class PlanarPoints:
         of_x[0] = of_y[1] = -over_Z
         of_x[2], of_x[3], of_x[4], of_x[5] = x * over_Z, mixed, -1.0 - xx, y
         of_y[2], of_y[3], of_y[4], of_y[5] = y * over_Z, 1.0 + yy, -mixed, -x
-        left = (xy - np.array([x, y]).T).ravel()
-        U, sigmas, Vt = np.linalg.svd(L, full_matrices=False)
-        if not sigmas[-1] > 1e-6 * sigmas[0]:
-            raise DegenerateFeature("pose of the points: this view does not determine it")
-        twist = ((left @ U) / sigmas) @ Vt
-        length = float(twist @ twist) ** 0.5
-        return exponential(-twist) @ X_CT, float(np.abs(left).max()), float(sigmas[0] / sigmas[-1]), length
+        return gauss_newton(X_CT, L, (xy - np.array([x, y]).T).ravel())
+
+    def _check_number(self, xy):
+        if xy.shape != self._flat.shape:
+            raise DegenerateFeature(f"pose of the points: found {len(xy)} points in this view, {len(self._flat)} known")
 
     def follow(self, X_CT: np.ndarray, xy: np.ndarray) -> Tuple[np.ndarray, float, float]:
         """Gauss-Newton steps from a pose nearby; where they find no pose, `find` looks for one without a first guess.
@@ -117,8 +109,7 @@ class PlanarPoints:
         return best
 
     def _guesses(self, xy):
-        if xy.shape != self._flat.shape:
-            raise DegenerateFeature(f"pose of the points: found {len(xy)} points in this view, {len(self._flat)} known")
+        self._check_number(xy)
         H = homography(self._flat, xy)
         H *= 2.0 / (np.linalg.norm(H[:, 0]) + np.linalg.norm(H[:, 1])) * (1.0 if H[2, 2] > 0.0 else -1.0)
         sight = H[:, 2] / np.linalg.norm(H[:, 2])
@@ -129,6 +120,20 @@ class PlanarPoints:
             X[:3, :3] = U @ np.diag([1.0, 1.0, np.linalg.det(U @ Vt)]) @ Vt @ self._axes.T
             X[:3, 3] = H[:, 2] - X[:3, :3] @ self._middle
             yield X
+
+
+def gauss_newton(X_CT: np.ndarray, L: np.ndarray, left: np.ndarray) -> Tuple[np.ndarray, float, float, float]:
+    """One Gauss-Newton step of a pose, by the interaction matrix L, (k, 6), of its measures and their residuals, (k,).
+
+    Returns: (X_CT, largest residual before the step, condition number of L, length of the step).
+    Raises DegenerateFeature: L is singular.
+    """
+    U, sigmas, Vt = np.linalg.svd(L, full_matrices=False)
+    if not sigmas[-1] > 1e-6 * sigmas[0]:
+        raise DegenerateFeature("pose of the target: this view does not determine it")
+    twist = ((left @ U) / sigmas) @ Vt
+    condition, length = float(sigmas[0] / sigmas[-1]), float(twist @ twist) ** 0.5
+    return exponential(-twist) @ X_CT, float(np.abs(left).max()), condition, length
 
 
 def homography(a: np.ndarray, b: np.ndarray) -> np.ndarray:

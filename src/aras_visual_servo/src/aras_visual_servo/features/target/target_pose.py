@@ -1,8 +1,6 @@
 """Pose of a known planar target from the moments of its image: least squares by Gauss-Newton (docs/theory.md T24).
 
-An image is described by ten measures: x_g/sqrt(a), y_g/sqrt(a), ln(sqrt(a)) and mu_ij / a^((i+j+2)/2) to third order.
-All but ln(sqrt(a)) are free of scale. For a given pose they are predicted by projecting the target's outline. Their
-interaction matrix (T7, T8) says which twist explains the difference between measured and predicted values.
+The ten measures of an image are x_g/sqrt(a), y_g/sqrt(a), ln(sqrt(a)) and mu_ij / a^((i+j+2)/2) to third order.
 """
 
 from math import log
@@ -12,6 +10,8 @@ import numpy as np
 
 from ...ground.errors import DegenerateFeature
 from ...spatial import exponential
+from ..interaction import centroid_rows
+from .points_pose import gauss_newton
 
 ORDER = 4  # of the predicted moments: rows of third order need it
 _I, _J = np.array([(i, k - i) for k in (2, 3) for i in range(k, -1, -1)]).T
@@ -78,10 +78,7 @@ class PlanarTarget:
         A, B, C = (normal / float(normal @ X_CT[:3, 3])).tolist()
         g = A * xg + B * yg + C
         L_area = np.array([-A, -B, 3.0 * g - C, 3.0 * yg, -3.0 * xg, 0.0])  # of ln(a)
-        L_x = np.array([-g, 0.0, xg * g + 4.0 * (A * n20 + B * n11), xg * yg + 4.0 * n11,
-                        -(1.0 + xg * xg + 4.0 * n20), yg])
-        L_y = np.array([0.0, -g, yg * g + 4.0 * (A * n11 + B * n02), 1.0 + yg * yg + 4.0 * n02,
-                        -xg * yg - 4.0 * n11, -xg])
+        L_x, L_y = np.array(centroid_rows((xg, yg, n20, n11, n02), (A, B, C)))
         L_mu = _centred_rows(mu, xg, yg, n20, n11, n02, (A, B, C))
         root, scale = a**-0.5, a**-_HALF_DEGREE
         measures, L, seven = np.empty(10), np.empty((10, 6)), mu[_I, _J]
@@ -97,12 +94,7 @@ class PlanarTarget:
         Returns: (X_CT, largest residual of a measure before the step, condition number of the matrix).
         """
         measures, L = self.predicted(X_CT)
-        left = measured - measures
-        U, sigmas, Vt = np.linalg.svd(L, full_matrices=False)
-        if not sigmas[-1] > 1e-6 * sigmas[0]:
-            raise DegenerateFeature("pose of the target: this view does not determine it")
-        twist = ((left @ U) / sigmas) @ Vt
-        return exponential(-twist) @ X_CT, float(np.abs(left).max()), float(sigmas[0] / sigmas[-1])
+        return gauss_newton(X_CT, L, measured - measures)[:3]
 
     @staticmethod
     def measured(features: Any) -> np.ndarray:

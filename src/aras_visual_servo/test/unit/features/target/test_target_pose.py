@@ -54,7 +54,7 @@ def test_rows_at_once_are_the_rows_one_by_one():
     n = [centred[k] / m[0, 0] for k in ((2, 0), (1, 1), (0, 2))]
     rows = target_pose._centred_rows(centred, f.xg, f.yg, *n, plane_of(X))
     for row, i, j in zip(rows, target_pose._I, target_pose._J):
-        np.testing.assert_allclose(row, interaction.centred_moment(raw, mu, i, j, plane_of(X)), atol=1e-12)
+        np.testing.assert_allclose(row, interaction.centred_moments(raw, mu, [(i, j)], plane_of(X))[0], atol=1e-12)
 
 
 @pytest.mark.parametrize("seed", SEEDS)

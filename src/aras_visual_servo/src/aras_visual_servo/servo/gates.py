@@ -1,0 +1,84 @@
+"""Gates: stop the arm on data that cannot be used, and end the servo when its time is up."""
+
+from dataclasses import dataclass
+from math import inf, isfinite, nan
+from typing import Any, Optional
+
+import numpy as np
+
+from ..ground.types import Status
+from .arrival import Arrival
+from .feature_filter import FeatureFilter
+from .stage import Stage, Tick
+
+#: Without a hindrance for this long the arm counts as free again [s].
+FREE_S = 0.5
+
+
+class Hindrance:
+    """Remembers since when, and by what, the arm is kept from the motion that the law asks for."""
+
+    def __init__(self) -> None:
+        self._text, self._since_ns, self._last_ns = "", 0, 0
+
+    def _is_over(self, stamp_ns):
+        return not self._text or stamp_ns - self._last_ns > 1e9 * FREE_S
+
+    def seen(self, stamp_ns: int, text: str) -> None:
+        """At this image the arm could not do the motion in full, for the reason of this text."""
+        if self._is_over(stamp_ns):
+            self._since_ns = stamp_ns
+        self._text, self._last_ns = text, stamp_ns
+
+    def words(self, stamp_ns: int) -> str:
+        """For how long the arm has been held back until now, and by what; an empty text if it is not."""
+        if self._is_over(stamp_ns):
+            return ""
+        return f"for the last {1e-9 * (stamp_ns - self._since_ns):.1f} s the arm could not do what was asked " \
+               f"({self._text})"
+
+
+@dataclass(eq=False)
+class TimeLimit(Stage):
+    """Ends the servo `time_limit_s` after its start, and says why it has not converged and what held the arm back."""
+
+    config: Any  # ServoSettings
+    start_ns: int
+    arrival: Arrival
+    hindrance: Hindrance
+
+    def apply(self, tick: Tick) -> Tick:
+        config, arrival = self.config, self.arrival
+        if tick.stamp_ns - self.start_ns < 1e9 * config.time_limit_s:
+            return tick
+        if config.track and arrival.below:
+            return tick.rest(Status.CONVERGED, "followed to the end, every error below its threshold")
+        reasons = [arrival.rule.why_not(), self.hindrance.words(tick.stamp_ns), arrival.displaced]
+        return tick.rest(Status.TIMED_OUT,
+                         f"not converged after {config.time_limit_s} s: {'; '.join(filter(None, reasons))}")
+
+
+@dataclass(eq=False)
+class Stale(Stage):
+    """Stops the arm on joint positions that are no numbers, and on images that are missing, old or late."""
+
+    joints: int
+    timeout_s: float
+    tracker: Optional[FeatureFilter]
+    last_ns: Optional[int] = None
+
+    def apply(self, tick: Tick) -> Tick:
+        q = tick.q
+        if q.shape != (self.joints,) or not isfinite(sum(q.tolist())):
+            tick.q = np.full(self.joints, nan)
+            return tick.rest(Status.FAULT, f"joint positions {q} are not {self.joints} finite numbers")
+        gap_s = nan if self.last_ns is None else 1e-9 * (tick.stamp_ns - self.last_ns)
+        if gap_s <= 0.0 or not 0.0 < tick.dt_s < inf:
+            return tick.rest(Status.STALE_INPUT, f"stamp advanced by {gap_s} s, period {tick.dt_s} s")
+        self.last_ns = tick.stamp_ns
+        foreseen = self.tracker is not None and self.tracker.foresees(tick.stamp_ns)
+        if tick.features is None and (gap_s > self.timeout_s or not foreseen):
+            return tick.rest(Status.STALE_INPUT, "no image")
+        if gap_s > self.timeout_s:
+            return tick.rest(Status.STALE_INPUT, f"no image for {gap_s:.3f} s")
+        return tick
