@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 from aras_visual_servo import ParameterError, Scenario, ServoLoop, load_scenario, processes
-from .compare.sweeps import LETTERS, format_comparison, gate_fires, numbers_of
+from .compare.sweeps import LETTERS, format_comparison, gate_fires, numbers_of, save_sweeps_page
 from .report.versions import installed_versions
 from .sweep.engine import Progress, open_sweep, run_pending
 from .sweep.figure import DEFAULT_AXES, make_figure
@@ -103,7 +103,6 @@ class SweepComparison:
 
     def save(self, folder: Union[str, Path]) -> Path:
         """Writes compare.html into a folder. Returns its path."""
-        from .compare.sweeps_report import save_sweeps_page
         path = Path(folder)
         path.mkdir(parents=True, exist_ok=True)
         return save_sweeps_page(self.names, self.folders, self.sweeps, [], path, "")
@@ -124,8 +123,7 @@ def sweep(scenario: Union[str, Path, Scenario], starts: Optional[int] = None, *,
         workers: processes; None: one per core, 0: this one.  scheduler: address of a Dask scheduler instead.
         folder: where the sweep is stored; one that was interrupted there is continued. None: nowhere.
         quiet: do not show progress on stderr.
-    Raises:
-        ParameterError: it lists every fault.
+    Raises: ParameterError: it lists every fault.
     """
     changes: Dict[str, Any] = {**({"servo.plugins": list(plugins)} if plugins else {}),
                                **({"servo.law": law} if law else {}), **(overrides or {})}

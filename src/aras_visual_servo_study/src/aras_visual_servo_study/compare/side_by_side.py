@@ -4,7 +4,6 @@
 """
 
 import base64
-import io
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Dict, List, Optional, Sequence, Tuple
@@ -16,12 +15,11 @@ from mpl_toolkits.mplot3d import Axes3D
 
 import aras_visual_servo as avs
 from aras_visual_servo import Outline, RunRecord, judge, load_scenario, measures, palette, scenario_from_dict, track_of
-from ..report.figure import STYLE, draw_panel
-from .laws_figure import COLOURS, FLOOR_DEG, FLOOR_MM
-from .laws_report import TABLE, cells
+from ..report.figure import STYLE, draw_panel, save_both
 from ..report.page import flat_settings
+from ..report.report import write_whole
 from ..report.template import render
-from ..report.report import ResultFolderError
+from .laws_report import COLOURS, FLOOR_DEG, FLOOR_MM, TABLE, cells
 from ..sweep.judge import judge_row
 
 
@@ -43,8 +41,7 @@ def read_run(source: str, changes: Optional[Dict[str, Any]] = None) -> Run:
         source: name of a scenario or path of its YAML file, which is run in this process; or path of a bag, or of a
             folder of bags.
         changes: dotted path -> value, of the scenario that is run.
-    Raises:
-        ParameterError: there is no such scenario.  BagError: the bags hold no run.
+    Raises: ParameterError: there is no such scenario.  BagError: the bags hold no run.
     """
     path = Path(source)
     if path.suffix == ".bag" or path.is_dir():
@@ -99,23 +96,13 @@ def make_figure(runs: Sequence[Run]) -> Figure:
 
 def save_side_by_side(runs: Sequence[Run], folder: Path, command: str) -> Path:
     """Write runs.png, runs.pdf and runs.html into a folder. Returns the path of the page. Raises ResultFolderError."""
-    figure, stream = make_figure(runs), io.BytesIO()
     results = [rows_of(run) for run in runs]
     table: List[Tuple[str, Sequence[str]]] = [("ended with", [judge(run.record).reason for run in runs])]
     columns = zip(*(cells(row) for row in results))
     table += [(title if title != "[deg]" else "error [deg]", texts) for (_, title, _), texts in zip(TABLE, columns)]
-    try:
-        with matplotlib.rc_context(STYLE):
-            figure.savefig(stream, format="png", dpi=110, metadata={"Software": None})
-            figure.savefig(folder / "runs.pdf", metadata={"CreationDate": None})
-        (folder / "runs.png").write_bytes(stream.getvalue())
-        path = folder / "runs.html"
-        path.write_text(render("runs.html.j2", labels=[run.label for run in runs], table=table,
-                               settings=differing(runs), command=command,
-                               picture=base64.b64encode(stream.getvalue()).decode("ascii")), encoding="utf-8")
-    except OSError as error:
-        raise ResultFolderError(f"{folder}: cannot be written: {error}") from error
-    return path
+    picture = base64.b64encode(save_both(make_figure(runs), folder / "runs")).decode("ascii")
+    return write_whole(folder / "runs.html", render("runs.html.j2", labels=[run.label for run in runs], table=table,
+                                                    settings=differing(runs), command=command, picture=picture))
 
 
 def format_runs(runs: Sequence[Run]) -> str:

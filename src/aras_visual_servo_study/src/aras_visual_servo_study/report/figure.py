@@ -20,6 +20,7 @@ from mpl_toolkits.mplot3d import Axes3D
 
 from aras_visual_servo import RunRecord, palette, styles
 from .pictures import PANELS, image_of, panel_title
+from .report import write_whole
 
 TWIST_LABELS = ("$v_x$", "$v_y$", "$v_z$", r"$\omega_x$", r"$\omega_y$", r"$\omega_z$")
 TWIST_STYLES = tuple((color, style) for style in ("-", (0, (4, 1.5)))
@@ -67,8 +68,7 @@ def save_figure(record: RunRecord, png_path: Optional[Path] = None, pdf_path: Op
                 dpi: int = 160) -> None:
     """Write the six panels as one picture, 3 x 2.
 
-    Args:
-        record: RunRecord.  png_path, pdf_path: files to write; None: not this one.
+    Args: record: RunRecord.  png_path, pdf_path: files to write; None: not this one.
     """
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(11.0, 6.4))
@@ -89,20 +89,24 @@ def save_figure(record: RunRecord, png_path: Optional[Path] = None, pdf_path: Op
 
 
 def save_both(figure: Figure, path: Path, dpi: int = 110) -> bytes:
-    """Writes PATH.png and PATH.pdf, without a date: the same figure gives the same bytes. Returns those of the PNG."""
-    stream = io.BytesIO()
+    """Writes PATH.png and PATH.pdf, without a date: the same figure gives the same bytes. Returns those of the PNG.
+
+    Raises: ResultFolderError: a file cannot be written.
+    """
+    files = {}
     with matplotlib.rc_context(STYLE):
-        figure.savefig(stream, format="png", dpi=dpi, metadata={"Software": None})
-        figure.savefig(path.with_suffix(".pdf"), metadata={"CreationDate": None})
-    path.with_suffix(".png").write_bytes(stream.getvalue())
-    return stream.getvalue()
+        for kind, metadata in (("png", {"Software": None}), ("pdf", {"CreationDate": None})):
+            stream = io.BytesIO()
+            figure.savefig(stream, format=kind, dpi=dpi if kind == "png" else "figure", metadata=metadata)
+            files[kind] = stream.getvalue()
+            write_whole(path.with_suffix(f".{kind}"), files[kind])
+    return files["png"]
 
 
 def save_panels(record: RunRecord, folder: Path, size_in: Tuple[float, float] = (3.5, 2.7)) -> List[Path]:
     """Write each of the six panels as FOLDER/panel_NAME.pdf, of the width of a column of a paper, without title.
 
-    Returns:
-        list of the paths.
+    Returns: list of the paths.
     """
     paths = []
     with matplotlib.rc_context(STYLE):

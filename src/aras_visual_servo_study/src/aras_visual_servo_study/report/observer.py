@@ -34,8 +34,7 @@ class Observer:
     Args:
         record: RunRecord with settings. Where the observer stands follows from its camera poses and target pose.
         width, height: of the picture [px].
-    Raises:
-        ObserverError: the record does not name its robot and scene, or their files are missing here.
+    Raises: ObserverError: the record does not name its robot and scene, or their files are missing here.
     """
 
     def __init__(self, record: RunRecord, width: int = 640, height: int = 480) -> None:

@@ -1,5 +1,5 @@
 """Plots of a run as inline SVG for the report: what stands there without a script, and the numbers that the script
-config/templates/report.js needs to zoom, pan, turn and read them off. No matplotlib: these plots are part of the page.
+web/report.js needs to zoom, pan, turn and read them off. No matplotlib: these plots are part of the page.
 
 A plot is a dict: id, kind ("time" or "path"), title, svg (text), legend (rows of name, colour, dash), data (for JSON).
 """
@@ -32,8 +32,7 @@ def plots_of(record: RunRecord, title_of_velocity: str = "camera velocity") -> L
         record: RunRecord.
         title_of_velocity: title of the third plot, which for a look-then-move run shows the velocity that the law asks
             for and not that of the camera.
-    Returns:
-        list of plots as described above; [] for a record without servo rows.
+    Returns: list of plots as described above; [] for a record without servo rows.
     """
     rows = record.servo_rows
     if not len(rows):

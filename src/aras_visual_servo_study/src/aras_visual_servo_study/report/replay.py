@@ -14,14 +14,15 @@ import numpy as np
 
 from aras_visual_servo import (ArasError, ParameterError, RunRecord, goal_pose, in_rgb, kinematics_of,
                                scenario_from_dict, simulation_of, spatial)
-from ..files import THREE_FILES, three_file, web_dir
+from ..files import THREE_FILES, three_file
 from ..live.hub import jpeg
 from ..live.view.robot import mesh_blocks, robot_of
 from ..live.view.scene import drawn, pose_numbers
+from .template import script
 
 #: Moments that the slider has at most, images at most and at least, and their size together [bytes].
 MOST_MOMENTS, MOST_IMAGES, LEAST_IMAGES, IMAGE_BYTES = 400, 90, 10, 500_000
-#: The page's own modules, in the order in which they need each other.
+#: The page's own modules, each after those that it imports.
 MODULES = ("lib/meshes.js", "lib/robot.js", "lib/props.js", "lib/world.js", "replay.js")
 
 
@@ -38,18 +39,11 @@ def replay_of(record: RunRecord) -> Dict[str, Any]:
         raise ReplayError("the record does not hold its scenario, its camera or a servo phase")
     try:
         data = _data(record)
-        scripts = [three_file(name).read_text(encoding="utf-8") for name in THREE_FILES] + [script()]
+        scripts = [three_file(name).read_text(encoding="utf-8") for name in THREE_FILES] + [script(*MODULES)]
     except (RuntimeError, OSError) as error:  # the simulator's errors and ours
         raise ReplayError(f"the run cannot be shown again: {error}") from error
     text = json.dumps(data, separators=(",", ":"), allow_nan=False)
     return {"data": text.replace("<", "\\u003c"), "scripts": [_closed(one) for one in scripts]}
-
-
-def script() -> str:
-    """The page's modules as one script, which needs no other file."""
-    texts = [(web_dir() / name).read_text(encoding="utf-8") for name in MODULES]
-    joined = "\n".join(re.sub(r"^import .*$|^export (?=const|class)", "", text, flags=re.MULTILINE) for text in texts)
-    return "(() => {\n" + joined + "\n})();\n"
 
 
 def _closed(text):

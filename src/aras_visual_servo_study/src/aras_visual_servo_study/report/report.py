@@ -17,15 +17,14 @@ import os
 import time
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any, Dict, Optional, Union
+from typing import Any, Dict, List, Optional, Union
 
 import numpy as np
 
 from aras_visual_servo import (STOP_NAMES, TWIST_NAMES, ArasError, RunRecord, StopSettings, fit_decay, judge, spatial,
                                spread, styles, tracking)
-from .rows import comparison_rows, is_number, stop_rows
-from .versions import installed_versions
 from .drawing import Drawing
+from .versions import installed_versions
 
 # The results published with the two experiments.
 PUBLISHED = {
@@ -34,6 +33,11 @@ PUBLISHED = {
     "experiment_2": {"label": "paper, experiment 2",
                      "x_mm": 4.0, "y_mm": 8.9, "z_mm": 7.2, "angle_deg": 0.03},
 }
+#: Columns of the table of final errors.
+ERROR_KEYS = ("x_mm", "y_mm", "z_mm", "angle_deg")
+#: What the stop rule judges beside the features: key, label, unit that is shown, its factor.
+_STOP = (("tilt_rad", "tilt", "mrad", 1e3), ("position_m", "distance from the goal", "mm", 1e3),
+         ("rotation_rad", "angle from the goal", "mrad", 1e3))
 PROBE_BYTES = 2**20  # which a disk must have left before a run begins; its report alone takes about as much
 
 
@@ -47,10 +51,8 @@ def create_result_folder(output: Union[str, Path], scenario_name: str, stamp: Op
     Args:
         output: root folder of all results.  scenario_name: name of the scenario.
         stamp: name of the folder. None takes the local time, e.g. 20260131-142501, with -2, -3, ... if that exists.
-    Returns:
-        Path of the new folder.
-    Raises:
-        ResultFolderError: it cannot be made or written, with the system's reason.
+    Returns: Path of the new folder.
+    Raises: ResultFolderError: it cannot be made or written, with the system's reason.
     """
     parent = Path(os.path.expanduser(str(output))) / scenario_name
     name = stamp or time.strftime("%Y%m%d-%H%M%S")
@@ -87,8 +89,7 @@ def save_results(record: RunRecord, folder: Union[str, Path], command: Optional[
             report. If the video cannot be made, the report is written without it and a note in it says why.
         panels: write each of the six panels as panel_NAME.pdf too.
         drawing: `drawing.Drawing` that draws the figure meanwhile; None: this process draws it.
-    Returns:
-        The summary, as written to summary.json (see `summarise`), with `report`, the path of report.html (str).
+    Returns: The summary, as written to summary.json (see `summarise`), with `report`, the path of report.html (str).
     Raises:
         ResultFolderError: a file cannot be written.
         NothingToJudge: the run never servoed; only trace.csv is written then.
@@ -217,6 +218,47 @@ def trace_csv(record: RunRecord) -> str:
     return stream.getvalue()
 
 
+def comparison_rows(summary: Dict[str, Any]) -> List[Dict[str, Any]]:
+    """Rows of the table of final errors: dicts of label, kind ("ours", "limit", "paper", "start") and cells (text)."""
+    rows = [{"label": "this run", "kind": "ours",
+             "cells": [_signed(summary["final_error"], key) for key in ERROR_KEYS]}]
+    if summary["judge"]:
+        rows.append({"label": "allowed (experiment.judge)", "kind": "limit",
+                     "cells": [f"{summary['judge'][key]:g}" for key in ERROR_KEYS]})
+    if summary["published"]:
+        rows.append({"label": summary["published"]["label"], "kind": "paper",
+                     "cells": [f"{summary['published'][key]:g}" for key in ERROR_KEYS]})
+    rows.append({"label": "at the start of the servo", "kind": "start",
+                 "cells": [_signed(summary["initial_error"], key) for key in ERROR_KEYS]})
+    return rows
+
+
+def stop_rows(summary: Dict[str, Any]) -> List[Dict[str, str]]:
+    """Rows of what the stop rule judged beside the features: dicts of label, found and allowed, as text."""
+    stop, rows = summary.get("stop") or {}, []
+    for key, label, unit, factor in _STOP:
+        found = stop.get(key, {}).get("found")
+        if is_number(found):
+            allowed = stop[key]["allowed"]
+            rows.append({"label": label, "found": f"{found * factor:.3g} {unit}",
+                         "allowed": f"{allowed * factor:.3g} {unit}" if stop["rule"] == "pose" else "any"})
+    return rows
+
+
+def _signed(error, key):
+    value = error[key]
+    if not is_number(value):
+        return "unknown"
+    if key == "angle_deg":
+        return f"{value:.4f}" if value < 1.0 else f"{value:.2f}"
+    return f"{value:+.3f}" if abs(value) < 10.0 else f"{value:+.1f}"
+
+
+def is_number(value: Optional[float]) -> bool:
+    """Whether the value exists and is finite."""
+    return value is not None and math.isfinite(value)
+
+
 def format_summary(summary: Dict[str, Any]) -> str:
     """The summary as a table for the terminal, ASCII, at most 79 columns wide, str."""
     lines = [f"{summary['scenario']}: {'PASSED' if summary['passed'] else 'FAILED'} ({summary['reason']})", ""]
@@ -257,11 +299,15 @@ def _json_safe(value):
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def write_whole(path: Path, content: Union[str, bytes]) -> None:
-    """Writes a whole file or none, so that an interrupted run leaves no half of a file. Raises ResultFolderError."""
+def write_whole(path: Path, content: Union[str, bytes]) -> Path:
+    """Writes a whole file or none, so that an interrupted run leaves no half of a file. Returns its path.
+
+    Raises: ResultFolderError: it cannot be written.
+    """
     partial = path.with_name(path.name + ".part")
     try:
         partial.write_bytes(content.encode() if isinstance(content, str) else content)
         partial.replace(path)
     except OSError as error:
         raise ResultFolderError(f"{path}: cannot be written: {error.strerror}") from error
+    return path

@@ -54,8 +54,7 @@ def package_version(path: Path) -> str:
 
 def _system():
     try:
-        with open("/etc/os-release", encoding="utf-8") as stream:
-            names = dict(line.rstrip().split("=", 1) for line in stream if "=" in line)
-        return f"{names.get('PRETTY_NAME', '').strip(chr(34))}, {platform.machine()}"
+        name = platform.freedesktop_os_release()["PRETTY_NAME"]
     except OSError:
-        return f"{platform.system()}, {platform.machine()}"
+        name = platform.system()
+    return f"{name}, {platform.machine()}"

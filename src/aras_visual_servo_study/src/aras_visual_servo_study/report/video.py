@@ -49,8 +49,7 @@ def save_video(record: RunRecord, path: Union[str, Path], ffmpeg: str = "ffmpeg"
         record: RunRecord with `images`.
         path: of the .mp4 to write; an earlier file there is replaced when this one is complete.
         ffmpeg: name or path of the encoder.
-    Returns:
-        Film.
+    Returns: Film.
     Raises:
         VideoError: ffmpeg is missing or failed (its words are quoted), the record has no images, or its robot cannot
             be shown.
@@ -100,10 +99,8 @@ def save_video(record: RunRecord, path: Union[str, Path], ffmpeg: str = "ffmpeg"
 class Composer:
     """Makes the frames of a video.
 
-    Args:
-        record: RunRecord with images.  rows: its rows to show.
-    Raises:
-        VideoError: the robot of the record cannot be shown.
+    Args: record: RunRecord with images.  rows: its rows to show.
+    Raises: VideoError: the robot of the record cannot be shown.
     """
 
     def __init__(self, record: RunRecord, rows: Sequence[int]) -> None:

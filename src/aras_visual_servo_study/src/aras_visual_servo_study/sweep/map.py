@@ -1,7 +1,6 @@
-"""What the maps of a page need to know of a sweep: a dot for each start, its result, and the command
-that repeats it.
+"""What the maps of a page need to know of a sweep: a dot for each start, its result, and the command that repeats it.
 
-The script config/templates/map.js draws them.
+The script web/map.js draws them.
 """
 
 import json
@@ -20,6 +19,8 @@ OUTCOMES = {"success": {"label": "success", "color": palette.BLUE},
 RESULTS = (("duration_s", "time", "s", 3), ("error_mm", "final error", "mm", 4), ("angle_deg", "final angle", "deg", 4),
            ("path_mm", "length of the path", "mm", 1), ("border_px", "nearest to the image border", "px", 1),
            ("joint_room", "room of the joints", "", 2))
+#: Modules of the folder web that draw the maps, each after those that it imports.
+MAP_MODULES = ("lib/dom.js", "lib/draw.js", "map.js")
 #: Digits of a number in the page: more than a map can show.
 SIGNIFICANT = 7
 

@@ -74,10 +74,8 @@ def read_perturbations(section: Mapping[str, Any], scenario: Scenario) -> List[P
 def perturbed(scenario: Scenario, parameters: Dict[str, Any]) -> Scenario:
     """The scenario with these values put in, a Scenario.
 
-    Args:
-        scenario: `Scenario`.  parameters: dict of perturbation name -> value; {} returns the scenario itself.
-    Raises:
-        ParameterError: the scenario refuses a value.
+    Args: scenario: `Scenario`.  parameters: dict of perturbation name -> value; {} returns the scenario itself.
+    Raises: ParameterError: the scenario refuses a value.
     """
     if not parameters:
         return scenario

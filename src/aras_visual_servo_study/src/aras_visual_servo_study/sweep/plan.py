@@ -53,8 +53,7 @@ class SweepSettings:
     def from_scenario(cls, scenario: Scenario, kinematics: RobotKinematics, **changes: Any) -> "SweepSettings":
         """Read the section. Keyword arguments that are not None replace its keys.
 
-        Raises:
-            ParameterError: it lists every fault in a line of its own.
+        Raises: ParameterError: it lists every fault in a line of its own.
         """
         given = dict(scenario.sweep)
         given.update({key: value for key, value in changes.items() if value is not None})
@@ -97,8 +96,7 @@ def sample(method: str, count: int, dimensions: int, seed: Union[int, Sequence[i
     Args:
         method: one of METHODS. A grid is the largest with at most `count` points, the centres of its cells.
         count: >= 1.  dimensions: >= 0.  seed: whole number, or a sequence of them.
-    Returns:
-        (n, dimensions), n <= count, each in [0, 1).
+    Returns: (n, dimensions), n <= count, each in [0, 1).
     """
     rng = np.random.default_rng(seed)
     if dimensions == 0:
@@ -116,8 +114,7 @@ def sample(method: str, count: int, dimensions: int, seed: Union[int, Sequence[i
 def make_starts(settings: SweepSettings, scenario: Scenario, kinematics: RobotKinematics) -> List[Start]:
     """The runs of a sweep, a list of `Start`; equal arguments give equal runs.
 
-    Raises:
-        ParameterError: the scenario does not have what the space or the goals need.
+    Raises: ParameterError: the scenario does not have what the space or the goals need.
     """
     varied = {name: ends for name, ends in settings.ranges.items() if ends[0] < ends[1]}
     places = sample(settings.method, settings.starts, 6 if settings.space == "ball" else len(varied),

@@ -8,10 +8,10 @@ import math
 from pathlib import Path
 from typing import Any, Dict, List, Optional, Sequence, Tuple
 
-from ..report.report import ResultFolderError, write_whole
-from ..report.template import render, source
+from ..report.report import write_whole
+from ..report.template import render, script
 from .figure import DEFAULT_AXES, save_figures
-from .map import sweep_maps
+from .map import MAP_MODULES, sweep_maps
 from .metrics import known_metrics
 from .statistics import aggregate, every_run_succeeds, reasons
 from ..report.drawing import Drawing
@@ -24,9 +24,7 @@ CAPTIONS = {"map": "Result, time to the end and final error over two axes.",
 
 def save_csv(store: SweepStore) -> Path:
     """Write runs.csv. Returns its path."""
-    path = store.folder / "runs.csv"
-    write_whole(path, store.csv())
-    return path
+    return write_whole(store.folder / "runs.csv", store.csv())
 
 
 def save_report(store: SweepStore, axes: Tuple[str, ...] = DEFAULT_AXES, drawing: Optional[Drawing] = None) -> Path:
@@ -35,20 +33,13 @@ def save_report(store: SweepStore, axes: Tuple[str, ...] = DEFAULT_AXES, drawing
     Args:
         store: `SweepStore` with at least one run.  axes: two columns, see `figure.known_axes`.
         drawing: `Drawing` that draws the figures; None: processes of this one draw them.
-    Returns:
-        Path of sweep.html.
-    Raises:
-        ResultFolderError: a file cannot be written.
+    Returns: Path of sweep.html.
+    Raises: ResultFolderError: a file cannot be written.
     """
     save_csv(store)
     rows = store.rows()
-    try:
-        pictures = save_figures(rows, store.folder, axes, drawing)
-    except OSError as error:
-        raise ResultFolderError(f"{store.folder}: a figure cannot be written: {error}") from error
-    path = store.folder / "sweep.html"
-    write_whole(path, report_html(store, rows, pictures, axes))
-    return path
+    pictures = save_figures(rows, store.folder, axes, drawing)
+    return write_whole(store.folder / "sweep.html", report_html(store, rows, pictures, axes))
 
 
 def report_html(store: SweepStore, rows: List[Dict[str, Any]], pictures: Dict[str, bytes],
@@ -68,7 +59,7 @@ def report_html(store: SweepStore, rows: List[Dict[str, Any]], pictures: Dict[st
                                                  ("position error [mm]", "error", "mm", "{:.4f}"),
                                                  ("angle [deg]", "angle", "deg", "{:.5f}"))],
         reasons=reasons(rows),
-        maps=sweep_maps(rows, axes), script=source("map.js"), map=base64.b64encode(pictures["map"]).decode(),
+        maps=sweep_maps(rows, axes), script=script(*MAP_MODULES), map=base64.b64encode(pictures["map"]).decode(),
         map_caption=CAPTIONS["map"], one_colour=every_run_succeeds(rows),
         pictures=[(CAPTIONS[name], base64.b64encode(png).decode()) for name, png in pictures.items() if name in shown],
         settings=setting_rows(store.meta), command=store.meta["command"],

@@ -35,10 +35,8 @@ def offset_of(X: np.ndarray) -> Dict[str, float]:
 def in_ball(ranges: Dict[str, Tuple[float, float]], place: np.ndarray) -> Dict[str, float]:
     """Displacement within a distance and an angle of the goal, by axis of CAMERA_AXES.
 
-    Args:
-        ranges: BALL_AXES -> (least, most).  place: (6,) in the unit cube.
-    Returns:
-        dict by axis. Position and rotation vector are each uniform in a ball, hollow if its least radius is not 0.
+    Args: ranges: BALL_AXES -> (least, most).  place: (6,) in the unit cube.
+    Returns: dict by axis. Position and rotation vector are each uniform in a ball, hollow if its least radius is not 0.
     """
     parts = []
     for (low, high), (a, b, c) in zip((ranges[axis] for axis in BALL_AXES), (place[:3], place[3:])):
@@ -51,10 +49,8 @@ def in_ball(ranges: Dict[str, Tuple[float, float]], place: np.ndarray) -> Dict[s
 class View:
     """Space view of a scenario.
 
-    Args:
-        scenario: `Scenario`.  X_WCg: (4, 4) pose of the camera at the goal.
-    Raises:
-        ParameterError: there is no flat target of known outline, or it is not parallel to the image at the goal.
+    Args: scenario: `Scenario`.  X_WCg: (4, 4) pose of the camera at the goal.
+    Raises: ParameterError: there is no flat target of known outline, or it is not parallel to the image at the goal.
     """
 
     def __init__(self, scenario: Scenario, X_WCg: np.ndarray) -> None:
@@ -77,8 +73,7 @@ class View:
         Args:
             point: dict of u, v: place of the box around the outline, -1 at the left or upper border of the image and 1
                 at the right or lower one; depth_m: of the target; rz_rad: turn of the camera about its axis.
-        Raises:
-            ParameterError: the target does not fit into the image at that depth.
+        Raises: ParameterError: the target does not fit into the image at that depth.
         """
         R = spatial.rotation(np.array([0.0, 0.0, point["rz_rad"]]))
         depth_m = point["depth_m"]
@@ -100,8 +95,7 @@ def tilted_goal(point: Dict[str, float], t_C: np.ndarray, normal_C: Sequence[flo
     Args:
         point: dict of tilt_rad: by how much, and about_rad: about which axis in the image plane (0: x, pi/2: y).
         t_C: (3,) position of the target in the goal camera [m].  normal_C: (3,) its normal there.
-    Returns:
-        (X_CgCn, normal): pose of the new camera Cn in the old one, and the normal of the target in Cn, (3,).
+    Returns: (X_CgCn, normal): pose of the new camera Cn in the old one, and the normal of the target in Cn, (3,).
     """
     R = spatial.rotation(point["tilt_rad"] * np.array([cos(point["about_rad"]), sin(point["about_rad"]), 0.0]))
     X = np.eye(4)

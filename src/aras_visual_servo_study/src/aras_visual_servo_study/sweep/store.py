@@ -4,6 +4,7 @@ Tables: `meta` (key, value as JSON); `starts` (every run that is planned); `runs
 its result, nothing that depends on machine or day); `timing` (id, wall_s, done_at).
 """
 
+import contextlib
 import csv
 import fcntl
 import io
@@ -114,8 +115,7 @@ class SweepStore:
     def add(self, results: Sequence[Tuple[Dict[str, Any], float]], starts: Dict[int, Start]) -> None:
         """Save these runs, either all or none.
 
-        Args:
-            results: list of (row, wall_s), row a dict of COLUMNS.  starts: dict id -> `Start`.
+        Args: results: list of (row, wall_s), row a dict of COLUMNS.  starts: dict id -> `Start`.
         """
         names = list(COLUMNS) + self.extra
         marks = ", ".join("?" * len(names))
@@ -166,20 +166,13 @@ class SweepStore:
         return [row[name] for name in COLUMNS] + [given.get(name) for name in self.extra]
 
 
-class _speaking:
-    """Context: turns errors of SQLite, and of values that are not what was written, into StoreError with the name of
-    the file."""
-
-    def __init__(self, path):
-        self._path = path
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, kind, error, _):
-        if kind is not None and issubclass(kind, (sqlite3.Error, ValueError, TypeError, RecursionError)):
-            raise StoreError(f"{self._path}: cannot be read or written: {error}") from error
-        return False
+@contextlib.contextmanager
+def _speaking(path):
+    """Turns errors of SQLite, and of values that are not what was written, into StoreError with the file's name."""
+    try:
+        yield
+    except (sqlite3.Error, ValueError, TypeError, RecursionError) as error:
+        raise StoreError(f"{path}: cannot be read or written: {error}") from error
 
 
 def _connect(path):

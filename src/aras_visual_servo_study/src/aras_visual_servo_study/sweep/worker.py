@@ -42,12 +42,9 @@ def scenario_of(setup: Dict[str, Any]) -> Scenario:
 def run_chunk(setup: Dict[str, Any], starts: List[Dict[str, Any]]) -> List[Tuple[Dict[str, Any], float]]:
     """Run some starts. This is the function that workers call.
 
-    Args:
-        setup: of `make_setup`.  starts: list of dicts, fields of `Start`.
-    Returns:
-        list of (row, wall_s).
-    Raises:
-        ParameterError: this machine has other files and cannot run the sweep.
+    Args: setup: of `make_setup`.  starts: list of dicts, fields of `Start`.
+    Returns: list of (row, wall_s).
+    Raises: ParameterError: this machine has other files and cannot run the sweep.
     """
     bench = _bench(setup)
     results = []

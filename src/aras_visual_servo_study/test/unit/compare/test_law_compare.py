@@ -12,8 +12,8 @@ from aras_visual_servo.cli import EXIT_PARAMETERS, EXIT_PASSED
 from aras_visual_servo.cli.main import main
 from aras_visual_servo.ground.errors import ParameterError
 from aras_visual_servo_study.compare.laws import load_comparison, run_comparison
-from aras_visual_servo_study.compare.laws_figure import make_figure, part_of
-from aras_visual_servo_study.compare.laws_report import ARRIVED_DEG, ARRIVED_MM, arrived, csv_text, verdict
+from aras_visual_servo_study.compare.laws_report import (ARRIVED_DEG, ARRIVED_MM, arrived, csv_text, make_figure,
+                                                         part_of, verdict)
 from aras_visual_servo.spatial import rotation_vector
 from aras_visual_servo_study.files import share_dir
 from aras_visual_servo_study.compare.side_by_side import differing, read_run, rows_of

@@ -9,8 +9,7 @@ import pytest
 from browser import CHROMIUM, Browser
 
 from aras_visual_servo.cli.main import main
-from aras_visual_servo_study.compare.sweeps import compare_pair
-from aras_visual_servo_study.compare.sweeps_report import paired_maps, sweeps_page
+from aras_visual_servo_study.compare.sweeps import compare_pair, paired_maps, sweeps_page
 from aras_visual_servo_study.sweep.store import SweepStore
 
 LIMITS_S = {"long": "1.5", "short": "0.9"}

@@ -10,8 +10,7 @@ from scipy.spatial.transform import Rotation
 from aras_visual_servo.config.files import resolve_uri
 from aras_visual_servo.ground.errors import ModelError
 from aras_visual_servo_study.live.hub import jpeg
-from aras_visual_servo_study.live.view.meshes import STEPS, as_block, mesh_block, triangles_of
-from aras_visual_servo_study.live.view.robot import mesh_blocks, robot_of
+from aras_visual_servo_study.live.view.robot import STEPS, as_block, mesh_block, mesh_blocks, robot_of, triangles_of
 from aras_visual_servo_study.live.view.scene import pose_numbers, scene_of
 from aras_visual_servo.scenario.scenario import load_scenario
 

@@ -7,7 +7,7 @@ import pytest
 from synthetic import SETTINGS, make_record
 
 from aras_visual_servo_study.report import page, report, versions
-from aras_visual_servo_study.report.rows import stop_rows
+from aras_visual_servo_study.report.report import stop_rows
 
 
 def with_stop(values, rule="pose"):

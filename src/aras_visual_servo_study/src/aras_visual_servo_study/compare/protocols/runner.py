@@ -4,7 +4,7 @@ a sweep is. Then the table: successes with Wilson's interval beside what is publ
 import csv
 import hashlib
 import io
-import math
+import statistics
 from pathlib import Path
 from typing import Any, Dict, List, Optional, Sequence, Tuple
 
@@ -91,5 +91,4 @@ def _percent(rate):
 
 
 def _median(rows, column):
-    values = sorted(row[column] for row in rows)
-    return f"{0.5 * (values[(len(values) - 1) // 2] + values[len(values) // 2]):.3g}" if values else f"{math.nan}"
+    return f"{statistics.median(row[column] for row in rows):.3g}" if rows else "nan"

@@ -28,8 +28,7 @@ def project(xy: np.ndarray, camera_info: Dict[str, Any]) -> np.ndarray:
     Args:
         camera_info: dict as `Simulation.camera_info`: K, D, distortion_model (plumb_bob, rational_polynomial,
             equidistant, none).
-    Raises:
-        ParameterError: there is no camera_info.
+    Raises: ParameterError: there is no camera_info.
     """
     if not camera_info:
         raise ParameterError("the record has no camera_info (record the group features)")
