@@ -4,8 +4,6 @@ The figure has a row per task and a line per law. The same runs give the same fi
 """
 
 import base64
-import csv
-import io
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Dict, List, Sequence, Tuple
@@ -19,6 +17,7 @@ from ..report.figure import STYLE, save_both
 from ..report.report import write_whole
 from ..report.template import render
 from ..report.versions import installed_versions
+from ..sweep import store
 from .laws import Comparison, Results
 
 #: Columns of the table: name in the row, heading, format.
@@ -64,13 +63,8 @@ def cells(row: Dict[str, Any]) -> List[str]:
 
 def csv_text(results: Results) -> str:
     """The results as CSV text, one row per task and law."""
-    stream = io.StringIO()
-    writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow(["task", "law", *COLUMNS])
-    for task, law, row, _ in results:
-        values = [row[name] for name in COLUMNS]
-        writer.writerow([task, law, *("" if v is None else repr(v) if isinstance(v, float) else v for v in values)])
-    return stream.getvalue()
+    rows = ([task, law, *(row[name] for name in COLUMNS)] for task, law, row, _ in results)
+    return store.csv_text(["task", "law", *COLUMNS], rows)
 
 
 def format_table(comparison: Comparison, results: Results) -> str:

@@ -65,11 +65,7 @@ def compare_pair(rows_a: List[Dict[str, Any]], rows_b: List[Dict[str, Any]]) -> 
 
 
 def numbers_of(sweeps: List[List[Dict[str, Any]]]) -> Dict[str, float]:
-    """Every number a gate may name.
-
-    Args: sweeps: list of rows (list of dicts) per sweep, A first.
-    Returns: dict: `A.success` and so on for each sweep, and for the last one the same names without a letter too.
-    """
+    """Every number a gate may name: `A.success` and so on, A first, and those of the last sweep also without letter."""
     numbers = {}
     for letter, rows in zip(LETTERS, sweeps):
         mine = aggregate(rows)
@@ -85,7 +81,6 @@ def gate_fires(expression: str, numbers: Dict[str, float]) -> Tuple[bool, str]:
     """Whether a gate such as "success<0.98 or B.time_median_s > 1.1*A.time_median_s" fires.
 
     An expression may contain numbers, names, + - * /, comparisons, and, or, not, brackets, and nothing else.
-
     Returns: (fires, why). A gate also fires if one of its names has no value, for example because no run succeeded.
     Raises: ParameterError: this is no such expression, or a name is unknown; the known ones are listed.
     """
@@ -142,8 +137,8 @@ def _lookup(name, numbers, used, expression):
     if name not in numbers:
         known = [other for other in numbers if "." not in other]
         letters = sorted({other.partition(".")[0] for other in numbers if "." in other})
-        raise ParameterError(f"--fail-if '{expression}': unknown name '{name}', known are {', '.join(known)}; each "
-                             f"also with the letter of a sweep before it ({', '.join(letters)}), e.g. A.success")
+        raise ParameterError(f"--fail-if '{expression}': found {name}, allowed {', '.join(known)}; each also "
+                             f"with the letter of a sweep before it ({', '.join(letters)}), e.g. A.success")
     used[name] = float(numbers[name])
     return used[name]
 
@@ -189,12 +184,10 @@ def _start(row):
 
 def save_sweeps_page(names: Sequence[str], folders: Sequence[Union[str, Path]], sweeps: List[List[Dict[str, Any]]],
                      gates: Sequence[Tuple[str, bool, str]], folder: Path, command: str) -> Path:
-    """Write compare.html. Returns its path.
+    """Writes compare.html into an existing folder. Returns its path.
 
-    Args:
-        names: of the sweeps.  folders: absolute paths of their folders.  sweeps: rows of each, A first.
-        gates: [(expression, whether it fires, why)].  folder: existing folder to write to.
-        command: how to repeat the comparison.
+    Args: folders: absolute paths of those of the sweeps.  sweeps: rows of each, A first.
+        gates: [(expression, whether it fires, why)].  command: how to repeat the comparison.
     Raises: ResultFolderError: the file cannot be written.
     """
     return write_whole(folder / FILE, sweeps_page(names, folders, sweeps, gates, command))

@@ -224,16 +224,10 @@ def is_loopback(host: str) -> bool:
 
 
 def _bound(host, port):
-    family = socket.AF_INET6 if ":" in host else socket.AF_INET
-    listener = socket.socket(family, socket.SOCK_STREAM)
-    try:
-        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        listener.bind((host, port))
-        listener.listen(64)
-        listener.setblocking(False)
-    except BaseException:
-        listener.close()
-        raise
+    six = ":" in host
+    listener = socket.create_server((host, port), family=socket.AF_INET6 if six else socket.AF_INET, backlog=64,
+                                    dualstack_ipv6=six)
+    listener.setblocking(False)
     return listener
 
 

@@ -22,11 +22,9 @@ EMBEDDED_VIDEO_BYTES = 8_000_000
 
 
 def report_html(record: RunRecord, summary: Dict[str, Any], command: Optional[str] = None, film: Any = None) -> str:
-    """The report as one page, str: pictures, plots, their script and a small video inside.
+    """The report as one page: pictures, plots, their script and a small video (`video.Film`) inside.
 
-    Args:
-        record: RunRecord.  summary: `report.summarise(record)`.  command: how to repeat the run, None: in process.
-        film: `video.Film` of the run, or None.
+    Args: summary: `report.summarise(record)`.  command: how to repeat the run, None: in process.
     """
     drawn = plots.plots_of(record, pictures.panel_title(record, "velocity"))
     drawn[3:3] = [plot for plot in (joint_plot(record), image_plot(record)) if plot] if drawn else []
@@ -105,9 +103,7 @@ def flat_settings(record: RunRecord) -> List[Tuple[str, str]]:
 
 
 def _flatten(prefix, value):
-    if isinstance(value, dict) and any(isinstance(v, (dict, list)) for v in value.values()):
-        return [row for key, item in value.items() for row in _flatten(f"{prefix}.{key}", item)]
-    if isinstance(value, dict) and len(prefix.split(".")) < 2:
+    if isinstance(value, dict) and ("." not in prefix or any(isinstance(v, (dict, list)) for v in value.values())):
         return [row for key, item in value.items() for row in _flatten(f"{prefix}.{key}", item)]
     if isinstance(value, list) and any(isinstance(v, dict) for v in value):
         return [row for i, item in enumerate(value) for row in _flatten(f"{prefix}[{i}]", item)]

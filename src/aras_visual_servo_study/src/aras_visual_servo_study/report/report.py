@@ -11,6 +11,7 @@ the date of the run; the name of the folder does.
 import csv
 import hashlib
 import io
+import itertools
 import json
 import math
 import os
@@ -46,25 +47,21 @@ class ResultFolderError(ArasError):
 
 
 def create_result_folder(output: Union[str, Path], scenario_name: str, stamp: Optional[str] = None) -> Path:
-    """Make the empty folder OUTPUT/SCENARIO/STAMP and try whether it can be written.
+    """Makes the empty folder OUTPUT/SCENARIO/STAMP and tries whether it can be written. Returns its path.
 
-    Args:
-        output: root folder of all results.  scenario_name: name of the scenario.
-        stamp: name of the folder. None takes the local time, e.g. 20260131-142501, with -2, -3, ... if that exists.
-    Returns: Path of the new folder.
+    Args: stamp: None takes the local time, e.g. 20260131-142501, with -2, -3, ... if that exists.
     Raises: ResultFolderError: it cannot be made or written, with the system's reason.
     """
     parent = Path(os.path.expanduser(str(output))) / scenario_name
     name = stamp or time.strftime("%Y%m%d-%H%M%S")
     try:
         parent.mkdir(parents=True, exist_ok=True)
-        folder, number = parent / name, 1
-        while True:
+        folder = parent / name
+        for number in itertools.count(2):
             try:
                 folder.mkdir(exist_ok=stamp is not None)
                 break
             except FileExistsError:
-                number += 1
                 folder = parent / f"{name}-{number}"
         probe = folder / ".writable"
         try:
@@ -84,15 +81,13 @@ def save_results(record: RunRecord, folder: Union[str, Path], command: Optional[
     """Judge a run and write its result folder. The numbers are written first, before the pictures are drawn.
 
     Args:
-        record: RunRecord.  folder: existing folder.  command: how to repeat the run, for the report.
+        folder: existing folder.  command: how to repeat the run, for the report.
         video: write video.mp4 too (needs the images of the servo phase in the record, and ffmpeg) and show it in the
             report. If the video cannot be made, the report is written without it and a note in it says why.
         panels: write each of the six panels as panel_NAME.pdf too.
         drawing: `drawing.Drawing` that draws the figure meanwhile; None: this process draws it.
-    Returns: The summary, as written to summary.json (see `summarise`), with `report`, the path of report.html (str).
-    Raises:
-        ResultFolderError: a file cannot be written.
-        NothingToJudge: the run never servoed; only trace.csv is written then.
+    Returns: The summary, as written to summary.json (see `summarise`), with `report`, the path of report.html.
+    Raises: ResultFolderError.  NothingToJudge: the run never servoed; only trace.csv is written then.
     """
     from . import page  # only here: jinja2 is slow to import, and so is matplotlib
     folder = Path(folder)
@@ -132,10 +127,7 @@ def _save_video(record, path):
 
 
 def summarise(record: RunRecord) -> Dict[str, Any]:
-    """Summary of a run as a dict for JSON, judged by the scenario's `experiment.judge`.
-
-    The keys stand in the order in which readers ask for them.
-    """
+    """Summary of a run for JSON, judged by the scenario's `experiment.judge`, keys in the order that readers ask."""
     result = judge(record)
     servo = record.settings.get("servo", {})
     base = published_name(record.scenario)
@@ -300,10 +292,7 @@ def _json_safe(value):
 
 
 def write_whole(path: Path, content: Union[str, bytes]) -> Path:
-    """Writes a whole file or none, so that an interrupted run leaves no half of a file. Returns its path.
-
-    Raises: ResultFolderError: it cannot be written.
-    """
+    """Writes a whole file or none, so that none is left by half. Returns its path. Raises ResultFolderError."""
     partial = path.with_name(path.name + ".part")
     try:
         partial.write_bytes(content.encode() if isinstance(content, str) else content)

@@ -20,7 +20,8 @@ _FOLDERS = ("/usr/lib/*-linux-gnu", "/usr/lib", "/usr/local/lib")
 
 
 @functools.lru_cache(maxsize=None)
-def _installed():
+def installed_versions() -> Dict[str, str]:
+    """Version by name: this package, ViSP, Bullet, KDL, OpenCV, numpy, matplotlib, Python, system."""
     versions = {"aras_visual_servo": package_version(share_dir() / "package.xml")}
     files = [file for folder in _FOLDERS for path in glob.glob(folder) for file in os.listdir(path) if ".so." in file]
     for name, pattern in _LIBRARIES.items():
@@ -36,11 +37,6 @@ def _installed():
     versions["python"] = platform.python_version()
     versions["system"] = _system()
     return versions
-
-
-def installed_versions() -> Dict[str, str]:
-    """Dict of name -> version: this package, ViSP, Bullet, KDL, OpenCV, numpy, matplotlib, Python, system."""
-    return dict(_installed())
 
 
 def package_version(path: Path) -> str:

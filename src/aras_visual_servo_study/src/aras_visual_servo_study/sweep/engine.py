@@ -8,13 +8,13 @@ import contextlib
 import os
 import sys
 import time
-from concurrent.futures import FIRST_COMPLETED, CancelledError, ProcessPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, CancelledError, wait
 from concurrent.futures.process import BrokenProcessPool
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Optional, Sequence, TextIO
 
 from aras_visual_servo import ArasError, ParameterError, Scenario, processes
+from ..report.drawing import forked
 from .judge import COLUMNS
 from .metrics import judge_by
 from .plan import Start
@@ -35,10 +35,7 @@ class EngineError(ArasError):
 
 class Progress:
     """Shows runs done, rate and time left on stderr: in one line that is rewritten, or without a terminal in a new line
-    every `every_s`.
-
-    Args: total: runs of the sweep.  rows: of those that were done before.
-    """
+    every `every_s`. `rows` are those of runs that were done before."""
 
     def __init__(self, total: int, rows: Sequence[Dict[str, Any]] = (), stream: Optional[TextIO] = None,
                  every_s: float = 10.0, clock: Callable[[], float] = time.monotonic) -> None:
@@ -95,14 +92,11 @@ def open_sweep(folder: Path, scenario: Scenario, starts: List[Start], settings: 
 
 def run_pending(store: SweepStore, setup: Dict[str, Any], workers: Optional[int] = None,
                 scheduler: Optional[str] = None, progress: Optional[Progress] = None) -> None:
-    """Do every run that is pending and save it.
+    """Does every run that is pending and saves it in the store.
 
-    Args:
-        store: `SweepStore`, open for writing.  setup: of `worker.make_setup`.
-        workers: processes on this machine; None: one a core; 0: this process alone.
+    Args: setup: of `worker.make_setup`.  workers: processes on this machine; None: one a core; 0: this process alone.
         scheduler: address of a Dask scheduler, "tcp://host:8786", instead of local workers.
-    Raises:
-        EngineError: there is no scheduler or no worker.  ParameterError: the workers refuse the sweep.
+    Raises: EngineError: there is no scheduler or no worker.  ParameterError: the workers refuse the sweep.
         Interrupted: a signal came; the runs that were done are saved.
     """
     pending = store.pending()
@@ -140,13 +134,10 @@ def _chunks(pending, count):
 
 def run_local(run: Callable[..., Any], setup: Dict[str, Any], chunks: List[List[Dict[str, Any]]], count: int,
               deaths: int, save: Callable[[Any], None], give_up: Callable[[Dict[str, Any]], None]) -> None:
-    """Run all chunks; results are saved as they come in.
+    """Runs all chunks of plain starts in `count` processes; `save` is called with results of run(setup, chunk).
 
-    When a process dies, nobody knows in which run. So the runs that were under way are repeated one at a time.
-    Args:
-        run: function of (setup, chunk) that returns results.  chunks: list of lists of plain starts.
-        count: processes.  save: called with the results of a chunk.
-        deaths: a run in which a process has died that often alone is given up: give_up is called with its start.
+    When a process dies, nobody knows in which run. So the runs that were under way are repeated one at a time. If one
+    alone lets a process die `deaths` times, `give_up` is called with its start.
     """
     for start in _run(run, setup, chunks, count, save):
         if all(_run(run, setup, [[start]], 1, save) for _ in range(deaths)):
@@ -157,7 +148,7 @@ def _run(run, setup, chunks, count, save):
     """Runs the chunks. Returns the starts that were under way when a process died."""
     waiting, suspects = collections.deque(chunks), []
     while waiting:
-        with _pool(count) as pool, contextlib.suppress(BrokenProcessPool):
+        with forked(count) as pool, contextlib.suppress(BrokenProcessPool):
             under_way = {}
             try:
                 while waiting or under_way:
@@ -172,22 +163,6 @@ def _run(run, setup, chunks, count, save):
                 suspects += [start for chunk in under_way.values() for start in chunk]
                 raise
     return suspects
-
-
-@contextlib.contextmanager
-def _pool(count):
-    """Processes that are gone when the block ends, at once if it ends with an error or a signal."""
-    pool = ProcessPoolExecutor(count, get_context("fork"), processes.end_as_child)
-    try:
-        with processes.signals_blocked():
-            pool.submit(int)  # forks all of them
-        yield pool
-    except BaseException:
-        for process in list((pool._processes or {}).values()):  # nobody waits for what they are doing
-            process.kill()
-        raise
-    finally:
-        pool.shutdown(cancel_futures=True)
 
 
 def _with_dask(setup, pending, scheduler, save):

@@ -26,11 +26,9 @@ SIGNIFICANT = 7
 
 
 def sweep_maps(rows: List[Dict[str, Any]], axes: Tuple[str, ...], folder: Optional[str] = None) -> str:
-    """The data of a sweep's maps, as JSON that may stand in a page.
+    """The data of a sweep's maps, as JSON that may stand in a page; axes: the two columns to begin with.
 
-    Args:
-        rows: of `SweepStore.rows`.  axes: the two columns to begin with.
-        folder: of the sweep, for the command that repeats a run; None: where the page is.
+    Args: folder: of the sweep, for the command that repeats a run; None: where the page is.
     """
     success: Dict[str, Any] = {"title": "result", "key": "outcome", "kind": "classes", "classes": OUTCOMES}
     time = {"title": "time to the end [s], where it succeeded", "key": "succeeded_s", "kind": "scale"}

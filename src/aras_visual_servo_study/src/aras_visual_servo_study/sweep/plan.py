@@ -67,7 +67,8 @@ class SweepSettings:
             raise ParameterError(faults)
         if section.space == "joint":
             goal = place_of(scenario.experiment["goal"], "experiment.goal", kinematics)
-            ranges = section.joints or _around(goal.joints)
+            ranges = section.joints or {name: (at - JOINT_HALF_WIDTH, at + JOINT_HALF_WIDTH)
+                                        for name, at in goal.joints.items()}
             ranges = {name: ranges[name] for name in kinematics.joint_names if name in ranges}
         else:
             ranges = getattr(section, section.space).as_dict()
@@ -83,11 +84,6 @@ class SweepSettings:
                              for p in self.perturbations}
         del values["perturbations"]
         return values
-
-
-def _around(joints):
-    """Ranges about the goal, of every joint that it names."""
-    return {name: (at - JOINT_HALF_WIDTH, at + JOINT_HALF_WIDTH) for name, at in joints.items()}
 
 
 def sample(method: str, count: int, dimensions: int, seed: Union[int, Sequence[int]]) -> np.ndarray:
@@ -156,13 +152,15 @@ class Planner:
              wanted: Dict[str, float]) -> Tuple[Optional[Dict[str, float]], Dict[str, float], Dict[str, Any], str]:
         """(joints, offset, goal, refusal) of one run."""
         goal, q_goal, refusal = {}, self._goal, ""
-        offset = self._offset(place, point) if self.settings.space != "view" else {}
+        space, offset = self.settings.space, {}
+        if space in ("camera", "ball"):
+            offset = point if space == "camera" else in_ball(self.settings.ranges, place)
         if wanted:
             goal, refusal = self.tilted(wanted)
             if refusal:
                 return None, offset, goal, f"goal {refusal}"
             q_goal = self._kinematics.vector(goal["joints"])
-        if self.settings.space == "joint":
+        if space == "joint":
             joints = {**self._kinematics.by_name(q_goal), **point}
         else:
             try:
@@ -171,10 +169,6 @@ class Planner:
                 return None, offset, goal, str(error)
             joints, refusal = reach(self._kinematics, q_goal, self._kinematics.pose(q_goal) @ pose_of(offset))
         return joints, offset, goal, refusal or self.feasibility.refusal(q_goal, self._kinematics.vector(joints))
-
-    def _offset(self, place, point):
-        return {"camera": lambda: point, "joint": dict,
-                "ball": lambda: in_ball(self.settings.ranges, place)}[self.settings.space]()
 
     def tilted(self, wanted: Dict[str, float]) -> Tuple[Dict[str, Any], str]:
         """(goal of a `Start`, why it cannot be reached or \"\") of a tilted goal."""

@@ -28,12 +28,9 @@ def save_csv(store: SweepStore) -> Path:
 
 
 def save_report(store: SweepStore, axes: Tuple[str, ...] = DEFAULT_AXES, drawing: Optional[Drawing] = None) -> Path:
-    """Write runs.csv, the figures and sweep.html.
+    """Writes runs.csv, the figures and sweep.html of a store with at least one run. Returns the path of sweep.html.
 
-    Args:
-        store: `SweepStore` with at least one run.  axes: two columns, see `figure.known_axes`.
-        drawing: `Drawing` that draws the figures; None: processes of this one draw them.
-    Returns: Path of sweep.html.
+    Args: axes: two columns, see `figure.known_axes`.  drawing: draws the figures; None: processes of this one do.
     Raises: ResultFolderError: a file cannot be written.
     """
     save_csv(store)
@@ -82,12 +79,12 @@ def setting_rows(meta: Dict[str, Any]) -> List[Tuple[str, str]]:
 
 
 def format_summary(store: SweepStore) -> str:
-    """The sweep as a few lines for the terminal, str."""
+    """The sweep as a few lines for the terminal."""
     return format_rows(store.meta["setup"]["scenario"]["name"], store.rows())
 
 
 def format_rows(scenario: str, rows: List[Dict[str, Any]]) -> str:
-    """The runs of a scenario, by its name, as a few lines, str."""
+    """The runs of a scenario, by its name, as a few lines."""
     numbers = aggregate(rows)
     lines = [f"{scenario}: {numbers['runs']} runs, {numbers['feasible']} feasible, "
              f"{numbers['infeasible']} starts refused, {numbers['errors']} errors"]

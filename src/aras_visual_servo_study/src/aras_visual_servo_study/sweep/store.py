@@ -13,7 +13,7 @@ import os
 import sqlite3
 import time
 from pathlib import Path
-from typing import Any, Dict, List, Optional, Sequence, Tuple, Union
+from typing import Any, Dict, Iterable, List, Optional, Sequence, Tuple, Union
 
 from aras_visual_servo import GOAL_AXES, ArasError
 from .plan import Start
@@ -135,14 +135,8 @@ class SweepStore:
 
     def csv(self) -> str:
         """The table `runs` as text."""
-        stream = io.StringIO()
-        writer = csv.writer(stream, lineterminator="\n")
         names = list(COLUMNS) + self.extra
-        writer.writerow(names)
-        for row in self.rows():
-            writer.writerow(["" if row[name] is None else repr(row[name]) if isinstance(row[name], float)
-                             else row[name] for name in names])
-        return stream.getvalue()
+        return csv_text(names, ([row[name] for name in names] for row in self.rows()))
 
     def close(self) -> None:
         """Close the file and release the lock, so that other processes may write."""
@@ -173,6 +167,15 @@ def _speaking(path):
         yield
     except (sqlite3.Error, ValueError, TypeError, RecursionError) as error:
         raise StoreError(f"{path}: cannot be read or written: {error}") from error
+
+
+def csv_text(names: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
+    """Rows of values, with their names above, as text: a float with all its digits, nothing for None."""
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(names)
+    writer.writerows([repr(value) if isinstance(value, float) else value for value in row] for row in rows)
+    return stream.getvalue()
 
 
 def _connect(path):

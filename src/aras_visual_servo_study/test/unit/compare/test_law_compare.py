@@ -69,7 +69,7 @@ def test_faults_are_named(tmp_path, changes, words, expected):
 
 
 def test_an_unknown_comparison_lists_the_known_ones():
-    with pytest.raises(ParameterError, match="not found, known are canonical"):
+    with pytest.raises(ParameterError, match="comparison: found .*allowed .*canonical"):
         load_comparison("canonicle")
 
 

@@ -51,11 +51,9 @@ class Protocol:
     name, title, source, metric, published_starts, takes = "", "", "", "success", 0, ()
 
     def cases(self, folder: Path, count: int, **own: Any) -> List[Case]:
-        """The cases, list of `Case`.
+        """Returns the cases, with `count` starts each. Files that they need are written to `folder`.
 
-        Args:
-            folder: where files that the cases need are written.  count: starts of each case, at most published_starts.
-            own: of the user's, by the names in `takes`; what is missing or None is ours.
+        Args: own: of the user's, by the names in `takes`; what is missing or None is ours.
         """
         raise NotImplementedError
 
@@ -63,7 +61,6 @@ class Protocol:
         """Returns the cases with `changes` (dotted path -> value) in their scenarios; the starts stay the same.
 
         A protocol that compares laws overrides this, and takes `servo.law` as the only law to run.
-        Raises ParameterError: a scenario cannot have these values.
         """
         columns = {"law": changes["servo.law"]} if "servo.law" in changes else {}
         return [replace(case, scenario=case.scenario.with_overrides(changes), columns={**case.columns, **columns})

@@ -1,15 +1,15 @@
 """Runs a protocol: each case is a sweep of its own, so that a benchmark is resumed, spread over the cores and rerun as
 a sweep is. Then the table: successes with Wilson's interval beside what is published."""
 
-import csv
 import hashlib
-import io
 import statistics
 from pathlib import Path
 from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 from ...sweep.engine import open_sweep, run_pending
+from ...report.report import write_whole
 from ...sweep.statistics import wilson
+from ...sweep.store import csv_text
 from .base import Case, Protocol
 
 HEADINGS = ("starts", "success", "95 % interval", "published", "whose", "median error [mm]", "[deg]", "broke off",
@@ -27,11 +27,9 @@ def run_case(protocol: Protocol, case: Case, folder: Path, command: str = "", ve
 
 
 def table(protocol: Protocol, results: List[Tuple[Case, List[Dict[str, Any]]]]) -> List[List[str]]:
-    """Rows of the table, lists of text, the headings first.
+    """Rows of the table, the headings first.
 
-    A start that could not be tried, because nothing was recognised in its first view, counts as a failure: the protocol
-    has no other word for it.
-    Args: results: list of (Case, rows).
+    A start that could not be tried, because nothing was recognised in its first view, counts as a failure.
     """
     parts = [(case, columns, chosen) for case, rows in results for columns, chosen in protocol.lines(case, rows)]
     extra = list(dict.fromkeys(name for _, columns, _ in parts for name in columns))
@@ -62,22 +60,22 @@ def total(lines: Sequence[Sequence[str]]) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
+def markdown_table(lines: Sequence[Sequence[str]]) -> str:
+    """A table in Markdown, the headings first."""
+    return "".join("| " + " | ".join(line) + " |\n" for line in [lines[0], ["---"] * len(lines[0]), *lines[1:]])
+
+
 def as_markdown(protocol: Protocol, lines: Sequence[Sequence[str]], command: str) -> str:
     """The table, its source and the line that repeats it, as text."""
-    body = [lines[0], ["---"] * len(lines[0]), *lines[1:]]
-    return "\n".join([f"# {protocol.title}", "", *("| " + " | ".join(line) + " |" for line in body), "",
+    return "\n".join([f"# {protocol.title}", "", markdown_table(lines),
                       f"Success as metric `{protocol.metric}` has it. Source: {protocol.source}.", "",
                       f"Hash of the whole table: {total(lines)[:16]}", "", f"Repeat it: `{command}`"]) + "\n"
 
 
 def save_table(protocol: Protocol, lines: Sequence[Sequence[str]], folder: Path, command: str) -> Path:
     """Write benchmark.md and benchmark.csv. Returns the path of the first."""
-    stream = io.StringIO()
-    csv.writer(stream, lineterminator="\n").writerows(lines)
-    (folder / "benchmark.csv").write_text(stream.getvalue(), encoding="utf-8")
-    path = folder / "benchmark.md"
-    path.write_text(as_markdown(protocol, lines, command), encoding="utf-8")
-    return path
+    write_whole(folder / "benchmark.csv", csv_text(lines[0], lines[1:]))
+    return write_whole(folder / "benchmark.md", as_markdown(protocol, lines, command))
 
 
 def _broken(rows):

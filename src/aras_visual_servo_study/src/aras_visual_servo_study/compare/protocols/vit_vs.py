@@ -75,13 +75,6 @@ def camera_poses(count: int = STARTS) -> np.ndarray:
     return poses[spread(count, STARTS)]
 
 
-def goal_pose() -> np.ndarray:
-    """X_WCg, (4, 4): 0.6 m above the board, the optical axis down."""
-    X = np.eye(4)
-    X[:3, :3], X[:3, 3] = np.array([[0.0, -1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, -1.0]]), GOAL_M
-    return X
-
-
 def planned(scenario: Scenario, count: int) -> List[Start]:
     """The starts, list of `Start`; their id is that of the protocol, from 1 to 500."""
     kinematics = scenario.kinematics(calibrated=False)

@@ -11,11 +11,7 @@ SUCCESS_PART, SUCCESS_DEG = 0.1, 10.0
                            f"{SUCCESS_DEG:g}°",
                  source="this project")
 def success(outcome: Outcome) -> bool:
-    """Less than 10 % of the initial distance is left, or less than 1 mm, and less than 10 degrees.
-
-    The millimetre is for starts that are only turned and have no distance. Source: this project; the published metrics
-    it resembles are `cns` and `vit_vs`.
-    """
+    """The millimetre is for starts that are only turned. Source: this project; it resembles `cns` and `vit_vs`."""
     near_mm = max(SUCCESS_PART * outcome.distance0_mm, STRICT_MM)
     return outcome.error_mm < near_mm and outcome.angle_deg < SUCCESS_DEG
 

@@ -12,7 +12,7 @@ from ....report.template import render
 from ....report.versions import installed_versions
 from ....sweep.statistics import wilson
 from ..base import Case, success_map
-from ..runner import digest
+from ..runner import digest, markdown_table
 from .starts import MOST_M, MOST_RAD
 
 #: Runs in a cell, about, and the most cells along an axis.
@@ -132,11 +132,8 @@ def save(results: List[Tuple[Case, List[Dict[str, Any]]]], left_out: List[Tuple[
 def as_markdown(made: List[Entry]) -> str:
     """The success rates in percent with their intervals as a table, sets of features down and laws across."""
     laws, sets, places = _layout(made)
-    lines = [["features", *(f"`{law}`" for law in laws)], ["---"] * (len(laws) + 1)]
-    for label in sets:
-        found = [places.get((law, label)) for law in laws]
-        lines.append([label, *(one.rate() if one else "" for one in found)])
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines) + "\n"
+    return markdown_table([["features", *(f"`{law}`" for law in laws)], *(
+        [label, *(places[law, label].rate() if (law, label) in places else "" for law in laws)] for label in sets)])
 
 
 def _layout(made):
