@@ -14,7 +14,7 @@ import tutorial
 
 import aras_visual_servo as avs
 from aras_visual_servo_study.compare.laws import load_comparison, run_comparison
-from aras_visual_servo_study.compare.laws_figure import make_figure, part_of, save_figure
+from aras_visual_servo_study.compare.laws_report import make_figure, part_of, save_figure
 from aras_visual_servo_study.report.observer import Observer
 from aras_visual_servo_study.report.report import save_results
 from aras_visual_servo import load_scenario

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Dict, List, Mapping, NamedTuple, Optional
 from aras_visual_servo import ParameterError, Scenario, ServoLoop, load_plugins, load_scenario, processes
 from .compare.protocols import Protocol, protocol_named
 from .compare.protocols.runner import Results, as_markdown, run_protocol, save_table, table
-from .compare.sweeps import LETTERS, format_comparison, gate_fires, numbers_of
+from .compare.sweeps import LETTERS, format_comparison, gate_fires, numbers_of, save_sweeps_page
 from .report.versions import installed_versions
 from .sweep.engine import Progress, open_sweep, run_pending
 from .sweep.figure import DEFAULT_AXES, make_figure
@@ -105,7 +105,6 @@ class SweepComparison:
 
     def save(self, folder: Union[str, Path]) -> Path:
         """Writes compare.html into a folder. Returns its path."""
-        from .compare.sweeps_report import save_sweeps_page
         path = Path(folder)
         path.mkdir(parents=True, exist_ok=True)
         return save_sweeps_page(self.names, self.folders, self.sweeps, [], path, "")
@@ -126,8 +125,7 @@ def sweep(scenario: Union[str, Path, Scenario], starts: Optional[int] = None, *,
         workers: processes; None: one per core, 0: this one.  scheduler: address of a Dask scheduler instead.
         folder: where the sweep is stored; one that was interrupted there is continued. None: nowhere.
         quiet: do not show progress on stderr.
-    Raises:
-        ParameterError: it lists every fault.
+    Raises: ParameterError: it lists every fault.
     """
     changes = _changes(law, plugins, overrides)
     if not isinstance(scenario, Scenario):

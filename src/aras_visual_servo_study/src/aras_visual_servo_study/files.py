@@ -15,11 +15,6 @@ def share_dir() -> Path:
     return package_path("aras_visual_servo_study")  # type: ignore[return-value]
 
 
-def web_dir() -> Path:
-    """Folder of the pages' own files."""
-    return share_dir() / "web"
-
-
 def three_file(name: str) -> Path:
     """Path of one of THREE_FILES. Raises ParameterError: libjs-three is not installed."""
     path = THREE / name

@@ -1,17 +1,12 @@
 // A live plot on a canvas: series over time, linear or logarithmic, with zoom, read-out, PNG and CSV.
 import { download, el, onPage } from "./dom.js";
+import { clamp, ticks } from "./draw.js";
 
 const LEFT = 54, RIGHT = 10, TOP = 8, BOTTOM = 24;
 
-const nice = (low, high, most) => {
-  const raw = (high - low) / most, power = 10 ** Math.floor(Math.log10(raw)), step = [1, 2, 5, 10].find((n) => n * power >= raw) * power;
-  const values = [];
-  for (let value = Math.ceil(low / step - 1e-9) * step; value <= high + 1e-9 * step; value += step) values.push(Math.abs(value) < 1e-9 * step ? 0 : value);
-  return { values, step };
-};
 const words = (value, step) => {
   const size = Math.max(Math.abs(value), step);
-  const text = size >= 1e5 || (value && size < 1e-3) ? value.toExponential(0) : value.toFixed(Math.max(0, Math.min(6, -Math.floor(Math.log10(step) + 1e-9))));
+  const text = size >= 1e5 || (value && size < 1e-3) ? value.toExponential(0) : value.toFixed(clamp(-Math.floor(Math.log10(step) + 1e-9), 0, 6));
   return text.replace("-", "−");
 };
 
@@ -96,11 +91,11 @@ export class Chart {
     pen.lineWidth = 1;
     const line = (x0, y0, x1, y1) => { pen.beginPath(); pen.moveTo(x0, y0); pen.lineTo(x1, y1); pen.stroke(); };
     pen.textAlign = "center";
-    const across = nice(from, to, Math.max(3, w / 90));
+    const across = ticks(from, to, Math.max(3, w / 90));
     for (const t of across.values) { line(X(t), TOP, X(t), h - BOTTOM); pen.fillText(`${words(t, across.step)} s`, X(t), h - 8); }
     pen.textAlign = "right";
-    let up = nice(low, high, 4);
-    if (this.log) up = high - low > 1.6 ? { values: nice(low, high, 4).values.map(Math.round).filter((v, i, all) => all.indexOf(v) === i && v >= low && v <= high), step: 1 } : up;
+    let up = ticks(low, high, 4);
+    if (this.log) up = high - low > 1.6 ? { values: ticks(low, high, 4).values.map(Math.round).filter((v, i, all) => all.indexOf(v) === i && v >= low && v <= high), step: 1 } : up;
     for (const v of up.values) {
       pen.strokeStyle = !this.log && v === 0 ? colour("--axis") : colour("--line");
       line(LEFT, Y(v), w - RIGHT, Y(v));

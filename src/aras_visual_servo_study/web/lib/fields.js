@@ -1,5 +1,5 @@
 // Controls from a schema: a slider for a number, a list for a choice, a switch, and sections of these.
-import { button, el, notice } from "./dom.js";
+import { el, notice } from "./dom.js";
 import { valueAt } from "./model.js";
 
 /** Where a slider of a key without useful bounds ends, by unit; the number beside it takes any value that is allowed. */
@@ -206,4 +206,4 @@ const start = (schema) => {
   }
   return schema.properties ? Object.fromEntries((schema.required || []).map((key) => [key, start(schema.properties[key])])) : "";
 };
-export { start, button };
+export { start };

@@ -1,4 +1,4 @@
-// Reads the mesh blocks of view/meshes.py; edges sharper than CREASE stay sharp, others are shaded round.
+// Reads the mesh blocks of view/robot.py; edges sharper than CREASE stay sharp, others are shaded round.
 const CREASE = Math.cos(0.6);
 
 /** A BufferGeometry of the bytes of a block (ArrayBuffer). */

@@ -19,24 +19,21 @@ export class Model {
   on(event, listener) {
     if (!this.listeners.has(event)) this.listeners.set(event, []);
     this.listeners.get(event).push(listener);
-    return listener;
   }
 
   emit(event, ...values) { for (const listener of this.listeners.get(event) || []) listener(...values); }
 
   /** A promise of the first time that something is known. */
   first(event) {
-    return new Promise((resolve) => { if (this[event]) resolve(this[event]); else { const once = this.on(event, (value) => resolve(value)); void once; } });
+    return this[event] ? Promise.resolve(this[event]) : new Promise((resolve) => { this.on(event, resolve); });
   }
 
   about_is(about) {
-    const rows = about.rows.join();
     this.about = about;
     this.values = about.values;
     this.waiting = about.waiting;
     this.column = Object.fromEntries(about.rows.map((name, i) => [name, i]));
     this.rows = [];
-    this.names = rows;
     this.goal = null;
     this.emit("about", about);
     this.emit("rows", this.rows);
@@ -75,7 +72,4 @@ export class Model {
       this.emit("goal", this.goal);
     }).catch(() => {});
   }
-
-  /** The column of a name, over all rows: numbers or null. */
-  series(name) { const i = this.column[name]; return this.rows.map((row) => row[i]); }
 }

@@ -25,8 +25,7 @@ def _sweeps_options(parser: ArgumentParser) -> None:
 
 
 def _sweeps(arguments: Namespace) -> int:
-    from ..compare.sweeps import LETTERS, format_comparison, gate_fires, numbers_of
-    from ..compare.sweeps_report import save_sweeps_page
+    from ..compare.sweeps import LETTERS, format_comparison, gate_fires, numbers_of, save_sweeps_page
     from ..sweep.store import SweepStore
     if len(arguments.sweeps) > len(LETTERS):
         raise ParameterError(f"found {len(arguments.sweeps)} sweeps, allowed {len(LETTERS)}")

@@ -8,21 +8,67 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
-from aras_visual_servo import (Feasibility, Outline, ParameterError, Scenario, Track, known_laws, load_scenario,
-                               load_yaml, processes, reach, read, track_of)
+from aras_visual_servo import (CAMERA_AXES, GOAL_AXES, Feasibility, Outline, ParameterError, Scenario, Track, keys_of,
+                               known_laws, load_scenario, load_yaml, processes, reach, read, setting, track_of)
 from ..files import share_dir
 from ..sweep.plan import Start
 from ..sweep.run import SweepRunner, placed
 from ..sweep.space import pose_of, tilted_goal
-from .file import ComparisonFile
 
 FOLDER = "comparisons"
 #: (task, law, row with the COLUMNS of sweep.judge, `Track` or None), task by task.
 Results = List[Tuple[str, str, Dict[str, Any], Optional[Track]]]
+
+
+@dataclass(frozen=True)
+class TaskSettings:
+    """One entry of `tasks`: either `offset` or `tilt`."""
+
+    title: str = setting("", help="How tables and plots call it; its name if there is none.")
+    offset: Dict[str, float] = setting(
+        {}, unit="m, rad",
+        help=f"Start displaced from the goal along and about the goal camera's axes: {', '.join(CAMERA_AXES)}.")
+    tilt: Dict[str, float] = setting(
+        {}, unit="rad",
+        help=f"Start on a sphere about the target: `{GOAL_AXES[0]}` about axis `{GOAL_AXES[1]}` of the image plane.")
+
+    def check(self) -> Iterator[str]:
+        """One of the two, by axes that there are."""
+        for key, axes in (("offset", CAMERA_AXES), ("tilt", GOAL_AXES)):
+            for name in getattr(self, key):
+                if name not in axes:
+                    yield f"{key}.{name}: found an unknown key, allowed {', '.join(axes)}"
+        if bool(self.offset) == bool(self.tilt) or len(self.tilt) not in (0, len(GOAL_AXES)):
+            yield f"found {[*self.offset, *self.tilt]}, allowed either offset, or tilt with tilt_rad and about_rad"
+
+
+@dataclass(frozen=True)
+class LawSettings:
+    """One entry of `laws`: what it changes in the scenario, key by key."""
+
+    servo: Dict[str, object] = setting({}, help="Keys of the section `servo`.")
+    vision: Dict[str, object] = setting({}, help="Keys of the section `vision`.")
+    sim: Dict[str, object] = setting({}, help="Keys of the section `sim`.")
+
+    def overrides(self) -> Dict[str, object]:
+        """Dotted path -> value."""
+        return {f"{section.name}.{key}": value for section in keys_of(type(self))  # type: ignore[arg-type]
+                for key, value in getattr(self, section.name).items()}
+
+
+@dataclass(frozen=True)
+class ComparisonFile:
+    """A file of config/comparisons."""
+
+    name: str = setting(not_empty=True, help="Name of the comparison.")
+    scenario: str = setting(not_empty=True, help="Scenario that all runs are made of.")
+    tasks: Dict[str, TaskSettings] = setting(help="Starts by name.")
+    laws: Dict[str, LawSettings] = setting(help="Laws by name.")
+    description: str = setting("", help="What is compared, in a line.")
 
 
 @dataclass(frozen=True)
@@ -36,31 +82,25 @@ class Task:
 
 @dataclass(frozen=True)
 class Comparison:
-    """The content of a comparison file that was found valid.
-
-    Attributes:
-        name, description.  scenarios: law -> `Scenario`.  tasks: tuple of `Task`.
-    """
+    """The content of a comparison file that was found valid; scenarios by law."""
 
     name: str
     description: str
-    scenarios: dict
-    tasks: tuple
+    scenarios: Dict[str, Scenario]
+    tasks: Tuple[Task, ...]
 
 
 def load_comparison(name_or_path: Union[str, Path], laws: Optional[Sequence[str]] = (),
                     tasks: Optional[Sequence[str]] = (), overrides: Optional[Mapping[str, Any]] = None,
                     scenario: Optional[str] = None) -> Comparison:
-    """Load a comparison.
+    """Loads a comparison: a file of config/comparisons by its name, or any YAML file by its path.
 
     Args:
-        name_or_path: name of a file of config/comparisons, or path of a YAML file.
         laws, tasks: the names to compare, in this order; () takes all of the file.  A law may be NAME:INTERACTION. A
             registered law that the file does not name runs with the values of the scenario.
         overrides: dotted path -> value, put into the scenario of every law, see `load_scenario`.
         scenario: name or path of a scenario to take in place of the file's, for example another robot.
-    Raises:
-        ParameterError: it lists every fault, and for unknown names the known ones.
+    Raises: ParameterError: it lists every fault, and for unknown names the known ones.
     """
     file = read(ComparisonFile, load_yaml(_find(name_or_path)), str(name_or_path))
     base = load_scenario(scenario or file.scenario, overrides)
@@ -90,41 +130,36 @@ def load_comparison(name_or_path: Union[str, Path], laws: Optional[Sequence[str]
 
 def run_comparison(comparison: Comparison, workers: int = 1,
                    progress: Optional[Callable[[int, int], None]] = None) -> Results:
-    """Run every law on every task.
+    """Runs every law on every task, in as many processes as there are `workers`, or for 0 in this one.
 
-    Args:
-        comparison: `Comparison`.  workers: number of processes; 0 runs in this one.
-        progress: called with (laws done, all laws), or None.
-    Returns:
-        list of (task name, law name, row, `Track` or None), task by task; a row has the COLUMNS of sweep.judge.
+    `progress` is called with (laws done, all laws). A row of the results has the COLUMNS of sweep.judge.
     """
-    jobs = [(law, scenario, comparison.tasks) for law, scenario in comparison.scenarios.items()]
-    total, done = len(jobs), 0
-    by_law: Dict[str, Any] = {}
-    if workers:
-        with ProcessPoolExecutor(min(workers, total), get_context("spawn"), processes.end_with_parent) as pool:
-            futures = [pool.submit(_run_law, job) for job in jobs]
+    scenarios, tasks = comparison.scenarios.values(), [comparison.tasks] * len(comparison.scenarios)
+
+    def told(results):
+        found = []
+        for done, result in enumerate(results, start=1):
+            found.append(result)
+            if progress is not None:
+                progress(done, len(scenarios))
+        return found
+
+    if not workers:
+        found = told(map(_run_law, scenarios, tasks))
+    else:
+        with ProcessPoolExecutor(min(workers, len(tasks)), get_context("spawn"), processes.end_with_parent) as pool:
             try:
-                for law, future in zip(comparison.scenarios, futures):
-                    by_law[law], done = future.result(), done + 1
-                    if progress is not None:
-                        progress(done, total)
+                found = told(pool.map(_run_law, scenarios, tasks))
             except KeyboardInterrupt:
                 for process in pool._processes.values():  # nobody waits for what they are doing
                     process.kill()
                 raise
-    else:
-        for job in jobs:
-            by_law[job[0]], done = _run_law(job), done + 1
-            if progress is not None:
-                progress(done, total)
-    return [(task.name, law, by_law[law][i][0], by_law[law][i][1])
-            for i, task in enumerate(comparison.tasks) for law in by_law]
+    return [(task.name, law, *results[i]) for i, task in enumerate(comparison.tasks)
+            for law, results in zip(comparison.scenarios, found)]
 
 
-def _run_law(job):
-    """Run all tasks of one law. Returns a list of (row, Track or None)."""
-    _, scenario, tasks = job
+def _run_law(scenario, tasks):
+    """Runs all tasks of one law. Returns a list of (row, Track or None)."""
     bench, results = SweepRunner(scenario, images=False), []
     for start in starts_of(scenario, tasks):
         row, record = bench.run(start)
@@ -152,14 +187,11 @@ def known_comparisons() -> List[str]:
 
 def _find(name_or_path):
     path = Path(name_or_path).expanduser()
-    if path.suffix in (".yaml", ".yml"):
-        if not path.is_file():
-            raise ParameterError(f"comparison '{path}': no such file")
-        return path
-    path = share_dir() / "config" / FOLDER / f"{name_or_path}.yaml"
+    if path.suffix not in (".yaml", ".yml"):
+        path = share_dir() / "config" / FOLDER / f"{name_or_path}.yaml"
     if not path.is_file():
-        raise ParameterError(f"comparison '{name_or_path}': not found, known are {', '.join(known_comparisons())} "
-                             "(or give a path)")
+        raise ParameterError(f"comparison: found {name_or_path}, allowed the path of a YAML file, or one of "
+                             f"{', '.join(known_comparisons())}")
     return path
 
 

@@ -4,7 +4,6 @@
 """
 
 import base64
-import io
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Dict, List, Optional, Sequence, Tuple
@@ -16,12 +15,11 @@ from mpl_toolkits.mplot3d import Axes3D
 
 import aras_visual_servo as avs
 from aras_visual_servo import Outline, RunRecord, judge, load_scenario, measures, palette, scenario_from_dict, track_of
-from ..report.figure import STYLE, draw_panel
-from .laws_figure import COLOURS, FLOOR_DEG, FLOOR_MM
-from .laws_report import TABLE, cells
+from ..report.figure import STYLE, draw_panel, save_both
 from ..report.page import flat_settings
+from ..report.report import write_whole
 from ..report.template import render
-from ..report.report import ResultFolderError
+from .laws_report import COLOURS, FLOOR_DEG, FLOOR_MM, TABLE, cells
 from ..sweep.judge import judge_row
 
 
@@ -37,14 +35,10 @@ class Run:
 
 
 def read_run(source: str, changes: Optional[Dict[str, Any]] = None) -> Run:
-    """Read or make a run that is to be compared.
+    """Reads or makes a run that is to be compared.
 
-    Args:
-        source: name of a scenario or path of its YAML file, which is run in this process; or path of a bag, or of a
-            folder of bags.
-        changes: dotted path -> value, of the scenario that is run.
-    Raises:
-        ParameterError: there is no such scenario.  BagError: the bags hold no run.
+    Args: source: a scenario by name or path, which is run here with `changes`; or a bag, or a folder of bags.
+    Raises: ParameterError: there is no such scenario.  BagError: the bags hold no run.
     """
     path = Path(source)
     if path.suffix == ".bag" or path.is_dir():
@@ -91,41 +85,30 @@ def make_figure(runs: Sequence[Run]) -> Figure:
             draw_panel(run.record, "errors", errors, title=False)
             _draw_left(run, left)
             _draw_joints(run, joints)
-        for row in panels[1:]:
-            _same_axes(row)
-        _same_box(panels[0])
+        for row in panels:
+            _same_limits(row, "xyz" if row is panels[0] else "xy")
     return figure
+
+
+def table_of(runs: Sequence[Run]) -> List[Tuple[str, Sequence[str]]]:
+    """[(title, a text per run)] of the table of laws."""
+    columns = zip(*(cells(rows_of(run)) for run in runs))
+    return [(title if title != "[deg]" else "error [deg]", texts) for (_, title, _), texts in zip(TABLE, columns)]
 
 
 def save_side_by_side(runs: Sequence[Run], folder: Path, command: str) -> Path:
     """Write runs.png, runs.pdf and runs.html into a folder. Returns the path of the page. Raises ResultFolderError."""
-    figure, stream = make_figure(runs), io.BytesIO()
-    results = [rows_of(run) for run in runs]
-    table: List[Tuple[str, Sequence[str]]] = [("ended with", [judge(run.record).reason for run in runs])]
-    columns = zip(*(cells(row) for row in results))
-    table += [(title if title != "[deg]" else "error [deg]", texts) for (_, title, _), texts in zip(TABLE, columns)]
-    try:
-        with matplotlib.rc_context(STYLE):
-            figure.savefig(stream, format="png", dpi=110, metadata={"Software": None})
-            figure.savefig(folder / "runs.pdf", metadata={"CreationDate": None})
-        (folder / "runs.png").write_bytes(stream.getvalue())
-        path = folder / "runs.html"
-        path.write_text(render("runs.html.j2", labels=[run.label for run in runs], table=table,
-                               settings=differing(runs), command=command,
-                               picture=base64.b64encode(stream.getvalue()).decode("ascii")), encoding="utf-8")
-    except OSError as error:
-        raise ResultFolderError(f"{folder}: cannot be written: {error}") from error
-    return path
+    table = [("ended with", [judge(run.record).reason for run in runs]), *table_of(runs)]
+    picture = base64.b64encode(save_both(make_figure(runs), folder / "runs")).decode("ascii")
+    return write_whole(folder / "runs.html", render("runs.html.j2", labels=[run.label for run in runs], table=table,
+                                                    settings=differing(runs), command=command, picture=picture))
 
 
 def format_runs(runs: Sequence[Run]) -> str:
     """The table of the runs as text for the terminal."""
     width = max(14, *(len(run.label) + 2 for run in runs))
-    results = [cells(rows_of(run)) for run in runs]
-    lines = ["".ljust(16) + "".join(run.label.rjust(width) for run in runs)]
-    for i, (_, title, _) in enumerate(TABLE):
-        lines.append((title if title != "[deg]" else "error [deg]").ljust(16)
-                     + "".join(result[i].rjust(width) for result in results))
+    lines = [title.ljust(16) + "".join(text.rjust(width) for text in texts)
+             for title, texts in [("", [run.label for run in runs]), *table_of(runs)]]
     lines += [f"{run.label}: {judge(run.record).reason}" for run in runs]
     return "\n".join(lines)
 
@@ -154,15 +137,8 @@ def _draw_joints(run, axes):
         axes.legend(loc="best", ncol=2)
 
 
-def _same_axes(row):
-    for get, put in (("get_xlim", "set_xlim"), ("get_ylim", "set_ylim")):
-        ends = [getattr(axes, get)() for axes in row]
-        for axes in row:
-            getattr(axes, put)(min(end[0] for end in ends), max(end[1] for end in ends))
-
-
-def _same_box(row):
-    for name in "xyz":
+def _same_limits(row, names):
+    for name in names:
         ends = [getattr(axes, f"get_{name}lim")() for axes in row]
         for axes in row:
             getattr(axes, f"set_{name}lim")(min(end[0] for end in ends), max(end[1] for end in ends))

@@ -1,23 +1,33 @@
-"""Compares sweeps run by run on the same starts, and evaluates gates: conditions on their numbers."""
+"""Compares sweeps run by run on the same starts: numbers of each, statistics of the pairs, gates (conditions on these
+numbers), and a page with maps of what changed where."""
 
 import ast
 import math
 import operator
-from typing import Any, Dict, List, Sequence, Tuple
+import statistics
+from pathlib import Path
+from typing import Any, Dict, List, Sequence, Tuple, Union
 
-from aras_visual_servo import ParameterError
+from aras_visual_servo import ParameterError, palette
+from ..report.report import write_whole
+from ..report.template import render, script
+from ..report.versions import installed_versions
+from ..sweep.figure import AXES, DEFAULT_AXES
 from ..sweep.judge import COLUMNS
+from ..sweep.map import MAP_MODULES, fact, page_data, start_facts, sweep_maps
 from ..sweep.metrics import known_metrics
 from ..sweep.statistics import aggregate, mcnemar, signed_rank
 
+FILE = "compare.html"
+#: A test's result counts as a difference below this p-value.
+SIGNIFICANT_P = 0.05
 LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
 
 
 def pair(rows_a: List[Dict[str, Any]], rows_b: List[Dict[str, Any]]) -> List[Tuple[Dict[str, Any], Dict[str, Any]]]:
     """Pairs of feasible runs of two sweeps: list of (row, row).
 
-    Raises:
-        ParameterError: a run has another start in one sweep than in the other, so there are no pairs.
+    Raises: ParameterError: a run has another start in one sweep than in the other, so there are no pairs.
     """
     by_id = {row["id"]: row for row in rows_b}
     pairs = []
@@ -49,22 +59,13 @@ def compare_pair(rows_a: List[Dict[str, Any]], rows_b: List[Dict[str, Any]]) -> 
     both = [(a, b) for a, b in pairs if a["success"] and b["success"]]
     for name, column, unit in (("time", "duration_s", "s"), ("error", "error_mm", "mm")):
         a, b = [x[column] for x, _ in both], [x[column] for _, x in both]
-        changes = sorted(y - x for x, y in zip(a, b))
-        middle = len(changes) // 2
-        result[f"{name}_change_{unit}"] = (math.nan if not changes else changes[middle] if len(changes) % 2
-                                           else 0.5 * (changes[middle - 1] + changes[middle]))
+        result[f"{name}_change_{unit}"] = statistics.median(y - x for x, y in zip(a, b)) if both else math.nan
         result[f"{name}_p"] = signed_rank(a, b)
     return result
 
 
 def numbers_of(sweeps: List[List[Dict[str, Any]]]) -> Dict[str, float]:
-    """Every number a gate may name.
-
-    Args:
-        sweeps: list of rows (list of dicts) per sweep, A first.
-    Returns:
-        dict: `A.success` and so on for each sweep, and for the last one the same names without a letter too.
-    """
+    """Every number a gate may name: `A.success` and so on, A first, and those of the last sweep also without letter."""
     numbers = {}
     for letter, rows in zip(LETTERS, sweeps):
         mine = aggregate(rows)
@@ -80,11 +81,8 @@ def gate_fires(expression: str, numbers: Dict[str, float]) -> Tuple[bool, str]:
     """Whether a gate such as "success<0.98 or B.time_median_s > 1.1*A.time_median_s" fires.
 
     An expression may contain numbers, names, + - * /, comparisons, and, or, not, brackets, and nothing else.
-
-    Returns:
-        (fires, why). A gate also fires if one of its names has no value, for example because no run succeeded.
-    Raises:
-        ParameterError: this is no such expression, or a name is unknown; the known ones are listed.
+    Returns: (fires, why). A gate also fires if one of its names has no value, for example because no run succeeded.
+    Raises: ParameterError: this is no such expression, or a name is unknown; the known ones are listed.
     """
     try:
         tree = ast.parse(expression.strip(), mode="eval")
@@ -139,8 +137,8 @@ def _lookup(name, numbers, used, expression):
     if name not in numbers:
         known = [other for other in numbers if "." not in other]
         letters = sorted({other.partition(".")[0] for other in numbers if "." in other})
-        raise ParameterError(f"--fail-if '{expression}': unknown name '{name}', known are {', '.join(known)}; each "
-                             f"also with the letter of a sweep before it ({', '.join(letters)}), e.g. A.success")
+        raise ParameterError(f"--fail-if '{expression}': found {name}, allowed {', '.join(known)}; each also "
+                             f"with the letter of a sweep before it ({', '.join(letters)}), e.g. A.success")
     used[name] = float(numbers[name])
     return used[name]
 
@@ -182,3 +180,85 @@ def format_comparison(names: Sequence[str], sweeps: List[List[Dict[str, Any]]]) 
 def _start(row):
     return {name: value for name, value in row.items()
             if name.startswith(("start_", "offset_", "goal_")) and name not in COLUMNS}
+
+
+def save_sweeps_page(names: Sequence[str], folders: Sequence[Union[str, Path]], sweeps: List[List[Dict[str, Any]]],
+                     gates: Sequence[Tuple[str, bool, str]], folder: Path, command: str) -> Path:
+    """Writes compare.html into an existing folder. Returns its path.
+
+    Args: folders: absolute paths of those of the sweeps.  sweeps: rows of each, A first.
+        gates: [(expression, whether it fires, why)].  command: how to repeat the comparison.
+    Raises: ResultFolderError: the file cannot be written.
+    """
+    return write_whole(folder / FILE, sweeps_page(names, folders, sweeps, gates, command))
+
+
+def sweeps_page(names: Sequence[str], folders: Sequence[Union[str, Path]], sweeps: List[List[Dict[str, Any]]],
+                gates: Sequence[Tuple[str, bool, str]], command: str) -> str:
+    """The page as text; arguments as of `save_sweeps_page`."""
+    letters = LETTERS[:len(sweeps)]
+    numbers = numbers_of(sweeps)
+    first = {"maps": sweep_maps(sweeps[0], DEFAULT_AXES, str(folders[0]))} if len(sweeps) == 1 else None
+    pairs = [{"title": f"{letter}: {name} against A: {names[0]}", "words": _words(letter, numbers),
+              "maps": paired_maps(sweeps[0], rows, letter, (str(folders[0]), str(folder)))}
+             for letter, name, folder, rows in list(zip(letters, names, folders, sweeps))[1:]]
+    return render("sweeps.html.j2", sweeps=list(zip(letters, names, map(str, folders))),
+                  table=table_cells(TABLE, numbers, letters),
+                  paired=table_cells(PAIRED, numbers, letters[1:]) if pairs else [], pairs=pairs, first=first,
+                  gates=gates, command=command, versions=installed_versions(), script=script(*MAP_MODULES))
+
+
+def paired_maps(rows_a: List[Dict[str, Any]], rows_b: List[Dict[str, Any]], letter: str,
+                folders: Tuple[str, str]) -> str:
+    """Data of the maps of sweep B, called `letter`, against A: JSON for the page. A dot is a pair of runs."""
+    rows = [_pair_row(a, b) for a, b in pair(rows_a, rows_b)]
+    looks = {"both": ("both succeed", palette.BLUE), "neither": ("neither", palette.GREY),
+             "only_a": ("only A", palette.VERMILION), "only_b": (f"only {letter}", palette.GREEN)}
+    classes = {key: {"label": label, "color": color} for key, (label, color) in looks.items()}
+    alike = all(row["pair"] == "both" for row in rows)
+    maps = [] if alike else [{"title": "who succeeds", "key": "pair", "kind": "classes", "classes": classes}]
+    maps += [{"title": f"change of the time, {letter} − A [s], where both succeed", "key": "time_change_s",
+              "kind": "change"},
+             {"title": f"change of the final error, {letter} − A [mm], where both succeed", "key": "error_change_mm",
+              "kind": "change"}]
+    facts = [fact(f"{key}_{which}", f"{label}, {name}", unit, digits, short=key in ("reason", "duration_s"))
+             for key, label, unit, digits in (("outcome", "result", "", None), ("reason", "reason", "", None),
+                                              ("duration_s", "time", "s", 3), ("error_mm", "final error", "mm", 4))
+             for which, name in (("a", "A"), ("b", letter))] + start_facts(rows)
+    commands = [{"label": f"Run it again in {name}:", "folder": folder,
+                 "text": "aras-servo rerun {id} --sweep {folder}"}
+                for name, folder in zip(("A", letter), folders)]
+    return page_data(rows, DEFAULT_AXES, maps, facts, commands, None)
+
+
+def _pair_row(a, b):
+    row = {name: value for name, value in a.items()
+           if name == "id" or name in AXES or name.startswith(("start_", "offset_", "goal_", "p_"))}
+    for which, one in (("a", a), ("b", b)):
+        row.update({f"{key}_{which}": one[key] for key in ("outcome", "reason", "duration_s", "error_mm")})
+    both = bool(a["success"]) and bool(b["success"])
+    row["pair"] = "both" if both else "only_a" if a["success"] else "only_b" if b["success"] else "neither"
+    row["time_change_s"] = b["duration_s"] - a["duration_s"] if both else None
+    row["error_change_mm"] = b["error_mm"] - a["error_mm"] if both else None
+    return row
+
+
+def _words(letter, numbers):
+    """What the tests say of a sweep against A, a list of sentences."""
+    def of(name):
+        return numbers[f"{letter}.{name}"]
+
+    def clear(p):
+        return "no clear difference" if p >= SIGNIFICANT_P else "a difference that is hardly chance"
+
+    if not of("pairs"):
+        return ["No start was run by both."]
+    words = [f"Of {of('pairs'):.0f} starts, A alone succeeds on {of('only_a'):.0f} and {letter} alone on "
+             f"{of('only_b'):.0f}: {clear(of('mcnemar_p'))} (McNemar, p = {of('mcnemar_p'):.3g})."]
+    for name, unit, digits, what in (("time", "s", 3, "time"), ("error", "mm", 4, "final error")):
+        change, p = of(f"{name}_change_{unit}"), of(f"{name}_p")
+        if not math.isnan(change):
+            less = f"{abs(change):.{digits}f} {unit} {'less' if change < 0 else 'more'}" if change else "no change"
+            words.append(f"The {what} of {letter}, in the median of the pairs: {less}; {clear(p)} (Wilcoxon, "
+                         f"p = {p:.3g}).")
+    return words

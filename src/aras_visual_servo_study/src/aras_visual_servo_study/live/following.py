@@ -24,11 +24,9 @@ class Following:
         self._known: Any = None
 
     def answered(self, phase: str, status: Status, X_WT: np.ndarray, follow: bool) -> bool:
-        """One image was answered.
+        """Returns, after an answered image, whether the servo is to begin again: once for each place of a target.
 
-        Args: phase, status: of the answer (`ServoRecord`).  X_WT: (4, 4), of the target in this image.
-            follow: whether a target that has moved is followed now.
-        Returns: whether the servo is to begin again. True is said once for each place to which the target moves.
+        Args: X_WT: (4, 4), of the target in this image.  follow: whether a target that has moved is followed now.
         """
         if phase == "servo" and self._phase != "servo":
             self._begun = X_WT

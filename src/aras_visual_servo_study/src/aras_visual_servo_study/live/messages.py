@@ -141,16 +141,15 @@ def parse(text: Union[str, bytes]) -> Tuple[Optional[int], Any]:
         if len(text) > MOST_BYTES:
             raise ParameterError(f"message: found {len(text)} bytes, allowed <= {MOST_BYTES}")
         try:
-            content = json.loads(text)
+            fields = json.loads(text)
         except (ValueError, RecursionError) as error:
             raise ParameterError(f"message: found {_short(text)}, allowed JSON: {error}") from error
-        if not isinstance(content, dict):
-            raise ParameterError(f"message: found {_short(content)}, allowed an object with the key do")
-        fields = dict(content)
-        number, name = fields.pop("id", None), fields.pop("do", None)
-        if not isinstance(number, (int, type(None))):
-            number, found = None, number
+        if not isinstance(fields, dict):
+            raise ParameterError(f"message: found {_short(fields)}, allowed an object with the key do")
+        found, name = fields.pop("id", None), fields.pop("do", None)
+        if not isinstance(found, (int, type(None))):
             raise ParameterError(f"message: found the id {_short(found)}, allowed a whole number")
+        number = found
         if not isinstance(name, str) or name not in REQUESTS:
             raise ParameterError(f"message: found do {_short(name)}, allowed {', '.join(REQUESTS)}")
         return number, read(REQUESTS[name], fields, name)

@@ -20,9 +20,7 @@ QUIET = ("idle", "done")
 class PageRun:
     """Base class of the backends: what is told to pages, and the checks of what they ask for.
 
-    A backend calls `renew` and keeps the attributes below up to date. It implements `advance`, `time_ns`, `frame`,
-    `joints`, `camera_pose`, `target_pose`, `command`, `teach`, `place_target`, `move_target`, and the requests
-    do_start, do_stop, do_reset and do_set.
+    A backend calls `renew`, keeps the attributes below up to date, and implements what is missing here, as `LiveRun`.
 
     Attributes:
         scenario: as it stands now.  target: name of the target, or None.  watched: whether a page is ready for news.

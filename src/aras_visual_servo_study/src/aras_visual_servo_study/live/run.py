@@ -19,11 +19,7 @@ from .settings import acts_at_once, changed, put
 
 
 class LiveRun(PageRun):
-    """The backend in this process.
-
-    Attributes: loop: `ServoLoop` in use.  The image is valid until the next one.
-    Raises: ParameterError and the errors of `ServoLoop`.
-    """
+    """The backend in this process. Its image is valid until the next one. Raises the errors of `ServoLoop`."""
 
     def __init__(self, scenario: Scenario) -> None:
         super().__init__(scenario)

@@ -21,7 +21,7 @@ import tornado.web
 import tornado.websocket
 
 from aras_visual_servo import ArasError, ParameterError
-from ..files import THREE_FILES, three_file, web_dir
+from ..files import THREE_FILES, share_dir, three_file
 from .hub import Hub
 from .messages import parse
 from .runner import Runner
@@ -42,10 +42,8 @@ POLICY = ("default-src 'none'; script-src 'self'; style-src 'self'; img-src 'sel
 class Server:
     """Serves one run.
 
-    Args:
-        runner: `Runner`.  urdf_xml: of its robot.  token: of the address; None: a random one.
-    Attributes:
-        hub: `Hub`.  token.  address: of the page, "" before `listen`.
+    Args: runner: `Runner`.  urdf_xml: of its robot.  token: of the address; None: a random one.
+    Attributes: hub: `Hub`.  token.  address: of the page, "" before `listen`.
     """
 
     def __init__(self, runner: Runner, urdf_xml: str, token: Optional[str] = None) -> None:
@@ -143,7 +141,7 @@ class Files(Guarded, tornado.web.RequestHandler):
             return self.finish(self.server.meshes[rest])
         if folder == "three" and rest in THREE_FILES:
             return self._send(three_file(rest))
-        root = web_dir().resolve()
+        root = (share_dir() / "web").resolve()
         path = (root / (name or "index.html")).resolve()
         if root not in path.parents or not path.is_file() or path.suffix not in KINDS:
             raise tornado.web.HTTPError(404)
@@ -214,7 +212,7 @@ class Socket(Guarded, tornado.websocket.WebSocketHandler):
 
 def panels() -> List[str]:
     """Names of the page's panels: the files of web/panels, sorted. A new panel is a new file there."""
-    return sorted(path.name for path in (web_dir() / "panels").glob("*.js"))
+    return sorted(path.name for path in (share_dir() / "web" / "panels").glob("*.js"))
 
 
 def is_loopback(host: str) -> bool:
@@ -226,16 +224,10 @@ def is_loopback(host: str) -> bool:
 
 
 def _bound(host, port):
-    family = socket.AF_INET6 if ":" in host else socket.AF_INET
-    listener = socket.socket(family, socket.SOCK_STREAM)
-    try:
-        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        listener.bind((host, port))
-        listener.listen(64)
-        listener.setblocking(False)
-    except BaseException:
-        listener.close()
-        raise
+    six = ":" in host
+    listener = socket.create_server((host, port), family=socket.AF_INET6 if six else socket.AF_INET, backlog=64,
+                                    dualstack_ipv6=six)
+    listener.setblocking(False)
     return listener
 
 

@@ -61,7 +61,9 @@ def _complete(servo):
     """Give each feature a gain and a threshold, and take out those of features that are no longer there."""
     names = servo.get("features", FEATURE_NAMES)
     single = expand(names if isinstance(names, (list, tuple)) else ())
-    for section, default in (("gains_per_s", lambda _: GAIN_PER_S), ("thresholds", _threshold)):
+    for section, default in (
+            ("gains_per_s", lambda _: GAIN_PER_S),
+            ("thresholds", lambda name: THRESHOLDS.get(getattr(feature_class(name), "unit", "-"), THRESHOLD))):
         given = servo.get(section, {})
         kept = {key: value for key, value in given.items() if set(expand((key,))) <= set(single)}
         have = {name for key in kept for name in expand((key,))}
@@ -70,8 +72,3 @@ def _complete(servo):
             if not set(expand((name,))) <= have:
                 kept[name] = usual or default(name)
         servo[section] = kept
-
-
-def _threshold(name):
-    feature = feature_class(name)
-    return THRESHOLDS.get(getattr(feature, "unit", "-"), THRESHOLD)

@@ -6,13 +6,14 @@ is computed. Then it is forked: one of both makes the PNG, the other the PDF.
         save_results(record, folder, drawing=drawing)
 """
 
+import contextlib
 import importlib
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import replace
 from multiprocessing import get_context
 from pathlib import Path
-from typing import Any, Callable, List, Sequence, Tuple
+from typing import Any, Callable, Iterator, List, Sequence, Tuple
 
 from aras_visual_servo import RunRecord, processes
 
@@ -82,23 +83,28 @@ def prepare() -> None:
 
 def _draw_both(record, png_path, pdf_path):
     from .figure import save_figure
-    with processes.signals_blocked():
-        pool = ProcessPoolExecutor(1, get_context("fork"), processes.end_as_child)
+    with forked(1) as pool:
         other = pool.submit(save_figure, record, None, pdf_path)
-    with pool:
         save_figure(record, png_path, None)
         other.result()
 
 
 def drawn_side_by_side(draw: Callable[..., Any], jobs: Sequence[Tuple[Any, ...]]) -> List[Any]:
     """[draw(*job) for job in jobs], by processes that are forked here, with everything imported."""
-    with processes.signals_blocked():
-        pool = ProcessPoolExecutor(WORKERS, get_context("fork"), processes.end_as_child)
-        futures = [pool.submit(draw, *job) for job in jobs]
+    with forked(WORKERS) as pool:
+        return [future.result() for future in [pool.submit(draw, *job) for job in jobs]]
+
+
+@contextlib.contextmanager
+def forked(count: int) -> Iterator[ProcessPoolExecutor]:
+    """Yields a pool of forked processes, which are gone when the block ends: at once after an error or a signal."""
+    pool = ProcessPoolExecutor(count, get_context("fork"), processes.end_as_child)
     try:
-        return [future.result() for future in futures]
+        with processes.signals_blocked():
+            pool.submit(int)  # forks all of them
+        yield pool
     except BaseException:
-        for process in list((pool._processes or {}).values()):
+        for process in list((pool._processes or {}).values()):  # nobody waits for what they are doing
             process.kill()
         raise
     finally:

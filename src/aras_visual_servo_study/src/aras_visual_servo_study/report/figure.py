@@ -20,6 +20,7 @@ from mpl_toolkits.mplot3d import Axes3D
 
 from aras_visual_servo import RunRecord, palette, styles
 from .pictures import PANELS, image_of, panel_title
+from .report import write_whole
 
 TWIST_LABELS = ("$v_x$", "$v_y$", "$v_z$", r"$\omega_x$", r"$\omega_y$", r"$\omega_z$")
 TWIST_STYLES = tuple((color, style) for style in ("-", (0, (4, 1.5)))
@@ -67,8 +68,7 @@ def save_figure(record: RunRecord, png_path: Optional[Path] = None, pdf_path: Op
                 dpi: int = 160) -> None:
     """Write the six panels as one picture, 3 x 2.
 
-    Args:
-        record: RunRecord.  png_path, pdf_path: files to write; None: not this one.
+    Args: record: RunRecord.  png_path, pdf_path: files to write; None: not this one.
     """
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(11.0, 6.4))
@@ -89,20 +89,24 @@ def save_figure(record: RunRecord, png_path: Optional[Path] = None, pdf_path: Op
 
 
 def save_both(figure: Figure, path: Path, dpi: int = 110) -> bytes:
-    """Writes PATH.png and PATH.pdf, without a date: the same figure gives the same bytes. Returns those of the PNG."""
-    stream = io.BytesIO()
+    """Writes PATH.png and PATH.pdf, without a date: the same figure gives the same bytes. Returns those of the PNG.
+
+    Raises: ResultFolderError: a file cannot be written.
+    """
+    files = {}
     with matplotlib.rc_context(STYLE):
-        figure.savefig(stream, format="png", dpi=dpi, metadata={"Software": None})
-        figure.savefig(path.with_suffix(".pdf"), metadata={"CreationDate": None})
-    path.with_suffix(".png").write_bytes(stream.getvalue())
-    return stream.getvalue()
+        for kind, metadata in (("png", {"Software": None}), ("pdf", {"CreationDate": None})):
+            stream = io.BytesIO()
+            figure.savefig(stream, format=kind, dpi=dpi if kind == "png" else "figure", metadata=metadata)
+            files[kind] = stream.getvalue()
+            write_whole(path.with_suffix(f".{kind}"), files[kind])
+    return files["png"]
 
 
 def save_panels(record: RunRecord, folder: Path, size_in: Tuple[float, float] = (3.5, 2.7)) -> List[Path]:
     """Write each of the six panels as FOLDER/panel_NAME.pdf, of the width of a column of a paper, without title.
 
-    Returns:
-        list of the paths.
+    Returns: list of the paths.
     """
     paths = []
     with matplotlib.rc_context(STYLE):
@@ -118,21 +122,24 @@ def save_panels(record: RunRecord, folder: Path, size_in: Tuple[float, float] = 
 
 
 def draw_panel(record: RunRecord, panel: str, axes: Axes, letter: str = "", title: bool = True) -> None:
-    """Draw one of PANELS, or "start" (see `image_of`), on matplotlib axes; "path" needs a 3-D projection."""
+    """Draws one of PANELS, or "start" (see `image_of`), on matplotlib axes; "path" needs a 3-D projection."""
+    if panel not in (*PANELS, "start"):
+        raise ValueError(f"panel '{panel}': allowed are {', '.join(PANELS)}, start")
     if title:
         # With a place given, matplotlib does not measure every label to find one: a third of the time of drawing.
         axes.set_title((f"({letter}) " if letter else "") + panel_title(record, panel), pad=5.0,
                        y=None if panel == "path" else 1.0)
-    if panel in ("desired", "initial", "difference", "start"):
-        _draw_image(axes, image_of(record, panel))
-    elif panel == "errors":
-        _draw_errors(record, axes)
+    if panel == "errors":
+        looks = [(style.colour, "-", style.mathtext) for style in styles(record.feature_names)]
+        _draw_curves(record, axes, record.e, looks, r"$\mathbf{e} = \mathbf{s} - \mathbf{s}^*$",
+                     columns=2 if len(looks) <= 8 else 4)
     elif panel == "velocity":
-        _draw_velocity(record, axes)
+        looks = [(*style, label) for style, label in zip(TWIST_STYLES, TWIST_LABELS)]
+        _draw_curves(record, axes, record.twist, looks, r"$\mathbf{v}$ [m/s], $\mathbf{\omega}$ [rad/s]", columns=2)
     elif panel == "path":
         _draw_path(record, axes)
     else:
-        raise ValueError(f"panel '{panel}': allowed are {', '.join(PANELS)}, start")
+        _draw_image(axes, image_of(record, panel))
 
 
 def _draw_image(axes, image):
@@ -154,23 +161,20 @@ def _draw_image(axes, image):
     axes.axvline((width - 1) / 2, color="#000000", alpha=0.25, linewidth=0.6, linestyle=(5, (6, 4)))
 
 
-def _draw_errors(record, axes):
+def _draw_curves(record, axes, values, looks, label, columns):
+    """Draws columns of the values over the time of the servo. looks: (colour, dash, label) of each."""
     rows = record.servo_rows
-    t_s = _servo_time(record, rows)
+    t_s = (record.stamp_ns[rows] - record.stamp_ns[rows[:1]]) * 1e-9
     axes.axhline(0.0, color=palette.GREY, linewidth=0.8)
-    for style, column in zip(styles(record.feature_names), record.e[rows].T):
-        axes.plot(t_s, column, color=style.colour, label=style.mathtext)
-    _finish_time_axes(axes, t_s, r"$\mathbf{e} = \mathbf{s} - \mathbf{s}^*$",
-                      columns=2 if len(record.feature_names) <= 8 else 4)
-
-
-def _draw_velocity(record, axes):
-    rows = record.servo_rows
-    t_s = _servo_time(record, rows)
-    axes.axhline(0.0, color=palette.GREY, linewidth=0.8)
-    for column, (label, (color, style)) in enumerate(zip(TWIST_LABELS, TWIST_STYLES)):
-        axes.plot(t_s, record.twist[rows, column], color=color, linestyle=style, label=label)
-    _finish_time_axes(axes, t_s, r"$\mathbf{v}$ [m/s], $\mathbf{\omega}$ [rad/s]", columns=2)
+    for (color, dash, name), column in zip(looks, values[rows].T):
+        axes.plot(t_s, column, color=color, linestyle=dash, label=name)
+    axes.set_xlabel("time since the servo started [s]")
+    axes.set_ylabel(label)
+    if len(t_s) > 1:
+        axes.set_xlim(0.0, t_s[-1])
+        axes.legend(loc="best", ncol=columns, handlelength=1.6, columnspacing=1.2)
+    else:
+        _say(axes, "no servo phase in this record")
 
 
 def _draw_path(record, axes):
@@ -202,20 +206,6 @@ def _draw_path(record, axes):
         axis.labelpad = 3.0 if name == "z" else 1.0
     if len(points):
         axes.legend(loc="upper left", handletextpad=0.2, borderaxespad=0.0)
-
-
-def _servo_time(record, rows):
-    return (record.stamp_ns[rows] - record.stamp_ns[rows[0]]) * 1e-9 if len(rows) else np.empty(0)
-
-
-def _finish_time_axes(axes, t_s, label, columns):
-    axes.set_xlabel("time since the servo started [s]")
-    axes.set_ylabel(label)
-    if len(t_s) > 1:
-        axes.set_xlim(0.0, t_s[-1])
-        axes.legend(loc="best", ncol=columns, handlelength=1.6, columnspacing=1.2)
-    else:
-        _say(axes, "no servo phase in this record")
 
 
 def _say(axes, text):

@@ -6,6 +6,7 @@ from typing import Any, Dict, Optional
 import numpy as np
 
 from aras_visual_servo import ArasError, RunRecord, palette, scenario_from_dict
+from ..live.view.robot import robot_of
 from .plots import series_of, time_plot
 
 DASH = "6 3"  # of a joint without limits
@@ -24,7 +25,7 @@ def joint_plot(record: RunRecord) -> Optional[Dict[str, Any]]:
         return None
     if not len(rows) or not set(kinematics.joint_names) <= set(record.joint_names):
         return None
-    slides = _sliding(scenario.urdf_xml())
+    slides = {joint["name"] for joint in robot_of(scenario.urdf_xml())["joints"] if joint["type"] == "prismatic"}
     series = []
     for place, (name, low, high) in enumerate(zip(kinematics.joint_names, kinematics.lower, kinematics.upper)):
         limited = math.isfinite(low) and math.isfinite(high)
@@ -39,10 +40,3 @@ def joint_plot(record: RunRecord) -> Optional[Dict[str, Any]]:
     free = [one["name"] for one in series if one["dash"]]
     title = "joints between their limits" + (f" ({', '.join(free)}: no limits, in half turns)" if free else "")
     return time_plot("joints", title, np.asarray(t_s), series, "−1: lower limit, 1: upper limit", ends=[-1.0, 1.0])
-
-
-def _sliding(urdf_xml):
-    """Names of the prismatic joints."""
-    import xml.etree.ElementTree as tree
-    joints = tree.fromstring(urdf_xml).findall("joint")
-    return {joint.get("name") for joint in joints if joint.get("type") == "prismatic"}

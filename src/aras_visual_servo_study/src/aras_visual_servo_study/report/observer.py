@@ -8,7 +8,8 @@ import math
 import numpy as np
 
 from aras_visual_servo import ArasError, RunRecord, scenario_from_dict, simulation_of
-from ..live.view.projection import standpoint
+from ..live.view.projection import middle, standpoint
+from ..live.view.robot import robot_of
 
 NAME = "observer"
 FIELD_RAD = 0.95                                               # horizontal field of view
@@ -34,17 +35,13 @@ class Observer:
     Args:
         record: RunRecord with settings. Where the observer stands follows from its camera poses and target pose.
         width, height: of the picture [px].
-    Raises:
-        ObserverError: the record does not name its robot and scene, or their files are missing here.
+    Raises: ObserverError: the record does not name its robot and scene, or their files are missing here.
     """
 
     def __init__(self, record: RunRecord, width: int = 640, height: int = 480) -> None:
         if not record.settings:
             raise ObserverError("the record does not hold its scenario, so nobody knows which robot it shows")
-        path = record.X_WC[record.servo_rows, :3, 3]
-        known = path[np.all(np.isfinite(path), axis=1)]
-        # A pose read from a bag was a quaternion and differs in its last digits. Rounded, it gives the same picture.
-        at_C = np.round(known.mean(axis=0), 4) if len(known) else np.array([0.0, 0.0, 1.0])
+        at_C = middle(record.X_WC[record.servo_rows, :3, 3])
         at_T = at_C * [1, 1, 0] if record.X_WT is None else np.round(record.X_WT[:3, 3], 4)
         try:
             scenario = scenario_from_dict(record.settings)
@@ -89,19 +86,12 @@ def with_stand(urdf_xml: str, eye: np.ndarray, look_at: np.ndarray) -> str:
     x /= np.linalg.norm(x)
     R = np.column_stack([x, np.cross(z, x), z])
     rpy = math.atan2(R[2, 1], R[2, 2]), -math.asin(max(-1.0, min(1.0, R[2, 0]))), math.atan2(R[1, 0], R[0, 0])
-    root = _root_link(urdf_xml)
+    root = robot_of(urdf_xml)["root"]
     stand = (f'<link name="{NAME}"/><joint name="{NAME}_stand" type="fixed"><parent link="{root}"/>'
              f'<child link="{NAME}"/><origin xyz="%.9g %.9g %.9g" rpy="%.9g %.9g %.9g"/></joint></robot>'
              % (*eye, *rpy))
     head, _, _ = urdf_xml.rpartition("</robot>")
     return head + stand
-
-
-def _root_link(urdf_xml):
-    import xml.etree.ElementTree as tree
-    robot = tree.fromstring(urdf_xml)
-    children = {joint.find("child").get("link") for joint in robot.findall("joint")}
-    return next(link.get("name") for link in robot.findall("link") if link.get("name") not in children)
 
 
 def _renderer():

@@ -1,10 +1,9 @@
 """report.html of a run: one self-contained page, readable on a phone and on paper, and complete without JavaScript."""
 
 import base64
+import io
 import json
 import math
-import struct
-import zlib
 from typing import Any, Dict, List, Optional, Tuple
 
 import numpy as np
@@ -14,20 +13,18 @@ from . import pictures, plots
 from .image_plot import image_plot
 from .joint_plot import joint_plot
 from .replay import ReplayError, replay_of
-from .rows import comparison_rows, is_number, stop_rows
+from .report import comparison_rows, is_number, stop_rows
 from aras_visual_servo import RunRecord, styles
-from .template import render, source
+from .template import render, script
 
 # A larger video is not put into the page but stays a file beside it: mail programs and phones refuse larger pages.
 EMBEDDED_VIDEO_BYTES = 8_000_000
 
 
 def report_html(record: RunRecord, summary: Dict[str, Any], command: Optional[str] = None, film: Any = None) -> str:
-    """The report as one page, str: pictures, plots, their script and a small video inside.
+    """The report as one page: pictures, plots, their script and a small video (`video.Film`) inside.
 
-    Args:
-        record: RunRecord.  summary: `report.summarise(record)`.  command: how to repeat the run, None: in process.
-        film: `video.Film` of the run, or None.
+    Args: summary: `report.summarise(record)`.  command: how to repeat the run, None: in process.
     """
     drawn = plots.plots_of(record, pictures.panel_title(record, "velocity"))
     drawn[3:3] = [plot for plot in (joint_plot(record), image_plot(record)) if plot] if drawn else []
@@ -41,7 +38,7 @@ def report_html(record: RunRecord, summary: Dict[str, Any], command: Optional[st
     scenario = yaml.safe_dump(record.settings, sort_keys=False, allow_unicode=True) if record.settings else ""
     return render(
         "report.html.j2", summary=summary, images=_images(record), plots=drawn, film=film and _film(film),
-        replay=shown_again, no_replay=why_not, script=source("report.js") if drawn else "",
+        replay=shown_again, no_replay=why_not, script=script("lib/draw.js", "report.js") if drawn else "",
         rows=comparison_rows(summary), stop=stop_rows(summary), features=_feature_rows(summary),
         settings=flat_settings(record), eye_to_hand=record.eye_to_hand,
         recorded=[(topic, f"{count['in_bag']} of {count['published']} messages published")
@@ -57,17 +54,10 @@ def data_uri(content: bytes, kind: str) -> str:
 
 def png_bytes(image: np.ndarray) -> bytes:
     """The bytes of a PNG file of a uint8 image (h, w) or (h, w, 3) rgb. The same pixels always give the same bytes."""
-    height, width = image.shape[:2]
-    colour = 2 if image.ndim == 3 else 0
-    rows = np.ascontiguousarray(image, dtype=np.uint8).reshape(height, -1)
-    # Each row begins with the number of its filter, 0 for none.
-    raw = np.concatenate([np.zeros((height, 1), np.uint8), rows], axis=1).tobytes()
-
-    def chunk(name, content):
-        return struct.pack(">I", len(content)) + name + content + struct.pack(">I", zlib.crc32(name + content))
-
-    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, colour, 0, 0, 0))
-            + chunk(b"IDAT", zlib.compress(raw, 9)) + chunk(b"IEND", b""))
+    import PIL.Image  # slow to import
+    stream = io.BytesIO()
+    PIL.Image.fromarray(np.ascontiguousarray(image)).save(stream, "PNG")
+    return stream.getvalue()
 
 
 def _images(record):
@@ -113,9 +103,7 @@ def flat_settings(record: RunRecord) -> List[Tuple[str, str]]:
 
 
 def _flatten(prefix, value):
-    if isinstance(value, dict) and any(isinstance(v, (dict, list)) for v in value.values()):
-        return [row for key, item in value.items() for row in _flatten(f"{prefix}.{key}", item)]
-    if isinstance(value, dict) and len(prefix.split(".")) < 2:
+    if isinstance(value, dict) and ("." not in prefix or any(isinstance(v, (dict, list)) for v in value.values())):
         return [row for key, item in value.items() for row in _flatten(f"{prefix}.{key}", item)]
     if isinstance(value, list) and any(isinstance(v, dict) for v in value):
         return [row for i, item in enumerate(value) for row in _flatten(f"{prefix}[{i}]", item)]

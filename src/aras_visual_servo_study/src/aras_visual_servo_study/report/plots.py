@@ -1,5 +1,5 @@
 """Plots of a run as inline SVG for the report: what stands there without a script, and the numbers that the script
-config/templates/report.js needs to zoom, pan, turn and read them off. No matplotlib: these plots are part of the page.
+web/report.js needs to zoom, pan, turn and read them off. No matplotlib: these plots are part of the page.
 
 A plot is a dict: id, kind ("time" or "path"), title, svg (text), legend (rows of name, colour, dash), data (for JSON).
 """
@@ -26,15 +26,8 @@ AZIMUTH, ELEVATION = math.radians(-57.0), math.radians(30.0)   # direction from 
 
 
 def plots_of(record: RunRecord, title_of_velocity: str = "camera velocity") -> List[Dict[str, Any]]:
-    """The plots of the report, a list: feature errors, their size on a logarithmic scale, camera velocity, path.
-
-    Args:
-        record: RunRecord.
-        title_of_velocity: title of the third plot, which for a look-then-move run shows the velocity that the law asks
-            for and not that of the camera.
-    Returns:
-        list of plots as described above; [] for a record without servo rows.
-    """
+    """The plots of the report: feature errors, their size on a logarithmic scale, camera velocity, path; [] without
+    servo rows. For a look-then-move run the third shows the velocity that the law asks for, as its title has to say."""
     rows = record.servo_rows
     if not len(rows):
         return []
@@ -116,18 +109,16 @@ def _time_svg(data):
     ticks, step = nice_ticks(0.0, t_end, 6)
     for t in ticks:
         x = at(t, 0)[0]
-        parts.append(f'<path class="grid" d="M{x:.1f} {TOP}V{HEIGHT - BOTTOM}"/>'
-                     f'<text x="{x:.1f}" y="{HEIGHT - BOTTOM + 17}" text-anchor="middle">{tick_text(t, step)}</text>')
+        parts += [f'<path class="grid" d="M{x:.1f} {TOP}V{HEIGHT - BOTTOM}"/>',
+                  _text(x, HEIGHT - BOTTOM + 17, tick_text(t, step))]
     ticks, step = ([float(k) for k in range(math.ceil(low), math.floor(high) + 1)], 1.0) if data["log"] else \
         nice_ticks(low, high, 5)
     for y in ticks:
         v = at(0, y)[1]
         words = _power(round(y)) if data["log"] else tick_text(y, step)
-        parts.append(f'<path class="{"zero" if y == 0 and not data["log"] else "grid"}" '
-                     f'd="M{LEFT} {v:.1f}H{WIDTH - RIGHT}"/>'
-                     f'<text x="{LEFT - 6}" y="{v + 4:.1f}" text-anchor="end">{words}</text>')
-    for end in data["ends"] or ():
-        parts.append(f'<path class="end" d="M{LEFT} {at(0, end)[1]:.1f}H{WIDTH - RIGHT}"/>')
+        kind = "zero" if y == 0 and not data["log"] else "grid"
+        parts += [f'<path class="{kind}" d="M{LEFT} {v:.1f}H{WIDTH - RIGHT}"/>', _text(LEFT - 6, v + 4, words, "end")]
+    parts += [f'<path class="end" d="M{LEFT} {at(0, end)[1]:.1f}H{WIDTH - RIGHT}"/>' for end in data["ends"] or ()]
     for level in data["levels"] if data["log"] else ():
         v = at(0, math.log10(level["y"]))[1]
         parts.append(f'<path class="level" stroke="{level["color"]}" stroke-dasharray="{level["dash"]}" '
@@ -136,8 +127,7 @@ def _time_svg(data):
         style = f' stroke="{one["color"]}" stroke-dasharray="{one["dash"] or "none"}"'
         parts += [_polyline("curve", [at(*point) for point in run], style) for run in _runs(data["t"], ys)]
     parts.append(f'<path class="frame" d="M{LEFT} {TOP}V{HEIGHT - BOTTOM}H{WIDTH - RIGHT}"/>')
-    parts.append(f'<text x="{(LEFT + WIDTH - RIGHT) / 2}" y="{HEIGHT - 7}" text-anchor="middle">'
-                 'time since the servo started [s]</text>')
+    parts.append(_text((LEFT + WIDTH - RIGHT) / 2, HEIGHT - 7, "time since the servo started [s]"))
     parts.append(f'<text transform="translate(13 {(TOP + HEIGHT - BOTTOM) / 2}) rotate(-90)" text-anchor="middle">'
                  f'{escape(data["label"])}</text>')
     return svg_of(parts)
@@ -214,15 +204,13 @@ def _path_svg(data):
             a[axis] = b[axis] = value
             parts.append(_line("grid", at(a), at(b)))
             x, y = at((value, near_y, low[2]) if axis == 0 else (near_x, value, low[2]))
-            parts.append(f'<text x="{x + 3 * side:.1f}" y="{y + 13:.1f}" text-anchor="{anchor}">'
-                         f'{tick_text(value, step)}</text>')
+            parts.append(_text(x + 3 * side, y + 13, tick_text(value, step), anchor))
         parts.append(_axis_name(name, middle[0] + 46 * side, middle[1] + 28, anchor))
     post = min(((x, y) for x in (low[0], high[0]) for y in (low[1], high[1])), key=lambda c: at((*c, low[2]))[0])
     ticks, step = nice_ticks(low[2], high[2], 3)
     for value in ticks:
         x, y = at((*post, value))
-        parts.append(_line("grid", (x - 4, y), (x, y))
-                     + f'<text x="{x - 7:.1f}" y="{y + 4:.1f}" text-anchor="end">{tick_text(value, step)}</text>')
+        parts += [_line("grid", (x - 4, y), (x, y)), _text(x - 7, y + 4, tick_text(value, step), "end")]
     x, y = at((*post, high[2]))
     parts += [_line("frame", at((*post, low[2])), (x, y)), _axis_name("z", x, y - 9, "middle")]
     corners = [(low[0], low[1]), (high[0], low[1]), (high[0], high[1]), (low[0], high[1]), (low[0], low[1])]
@@ -243,6 +231,10 @@ def star(x: float, y: float, radius: float = 8.0) -> str:
     return "M" + "L".join(f"{a:.1f} {b:.1f}" for a, b in corners) + "Z"
 
 
+def _text(x, y, words, anchor="middle"):
+    return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}">{words}</text>'
+
+
 def _line(kind, a, b):
     return f'<path class="{kind}" d="M{a[0]:.1f} {a[1]:.1f}L{b[0]:.1f} {b[1]:.1f}"/>'
 
@@ -252,8 +244,7 @@ def _polyline(kind, points, more=""):
 
 
 def _axis_name(name, x, y, anchor):
-    return (f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}">{name}<tspan dy="3" font-size="80%">W</tspan>'
-            '<tspan dy="-3"> [m]</tspan></text>')
+    return _text(x, y, f'{name}<tspan dy="3" font-size="80%">W</tspan><tspan dy="-3"> [m]</tspan>', anchor)
 
 
 def svg_of(parts: List[str]) -> str:

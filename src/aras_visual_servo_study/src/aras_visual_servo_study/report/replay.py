@@ -14,14 +14,16 @@ import numpy as np
 
 from aras_visual_servo import (ArasError, ParameterError, RunRecord, goal_pose, in_rgb, kinematics_of,
                                scenario_from_dict, simulation_of, spatial)
-from ..files import THREE_FILES, three_file, web_dir
+from ..files import THREE_FILES, three_file
 from ..live.hub import jpeg
+from ..live.view.projection import middle
 from ..live.view.robot import mesh_blocks, robot_of
 from ..live.view.scene import drawn, pose_numbers
+from .template import script
 
 #: Moments that the slider has at most, images at most and at least, and their size together [bytes].
 MOST_MOMENTS, MOST_IMAGES, LEAST_IMAGES, IMAGE_BYTES = 400, 90, 10, 500_000
-#: The page's own modules, in the order in which they need each other.
+#: The page's own modules, each after those that it imports.
 MODULES = ("lib/meshes.js", "lib/robot.js", "lib/props.js", "lib/world.js", "replay.js")
 
 
@@ -38,18 +40,11 @@ def replay_of(record: RunRecord) -> Dict[str, Any]:
         raise ReplayError("the record does not hold its scenario, its camera or a servo phase")
     try:
         data = _data(record)
-        scripts = [three_file(name).read_text(encoding="utf-8") for name in THREE_FILES] + [script()]
+        scripts = [three_file(name).read_text(encoding="utf-8") for name in THREE_FILES] + [script(*MODULES)]
     except (RuntimeError, OSError) as error:  # the simulator's errors and ours
         raise ReplayError(f"the run cannot be shown again: {error}") from error
     text = json.dumps(data, separators=(",", ":"), allow_nan=False)
     return {"data": text.replace("<", "\\u003c"), "scripts": [_closed(one) for one in scripts]}
-
-
-def script() -> str:
-    """The page's modules as one script, which needs no other file."""
-    texts = [(web_dir() / name).read_text(encoding="utf-8") for name in MODULES]
-    joined = "\n".join(re.sub(r"^import .*$|^export (?=const|class)", "", text, flags=re.MULTILINE) for text in texts)
-    return "(() => {\n" + joined + "\n})();\n"
 
 
 def _closed(text):
@@ -66,9 +61,7 @@ def _data(record):
         raise ParameterError("no row of the servo phase has joint positions")
     order = [record.joint_names.index(name) for name in kinematics.joint_names]
     first_ns, chosen = record.stamp_ns[record.servo_rows[0]], _spread(rows, MOST_MOMENTS)
-    known = record.X_WC[rows, :3, 3]
-    known = known[np.isfinite(known).all(axis=1)]
-    at_C = np.round(known.mean(axis=0), 4) if len(known) else np.array([0.0, 0.0, 1.0])
+    at_C = middle(record.X_WC[rows, :3, 3])
     models = scenario.sim.get("scene", {}).get("models", [])
     target = models[0]["name"] if models else None
     blocks, notes = mesh_blocks(robot_of(urdf))
@@ -104,30 +97,27 @@ def _images(record, scenario, rows, target):
     """([(row, JPEG)], whether they were drawn again)."""
     seen = np.array([row for row in rows if row in record.images], dtype=int)
     again = not len(seen)
-    look = _Camera(record, scenario, target) if again else None
+    look = _camera(record, scenario, target) if again else record.images.__getitem__
     rows = rows if again else seen
 
     def encoded(row):
-        return jpeg(look.image(row) if again else record.images[row])
+        return jpeg(look(row))
 
     most = max(LEAST_IMAGES, min(MOST_IMAGES, IMAGE_BYTES // len(encoded(rows[0]))))
     return [(row, encoded(row)) for row in _spread(rows, int(most))], again
 
 
-class _Camera:
-    """Draws the camera's image at any row of a record."""
+def _camera(record, scenario, target):
+    """A function that draws the camera's image at a row of the record, grey or rgb, valid until the next."""
+    sim = simulation_of(scenario)
+    camera = sim.camera_names[0]
 
-    def __init__(self, record, scenario, target):
-        self._record, self._target = record, target
-        self._sim = simulation_of(scenario)
-        self._camera = self._sim.camera_names[0]
-
-    def image(self, row):
-        """Image of the row, grey or rgb, valid until the next."""
-        record, sim = self._record, self._sim
+    def image(row):
         sim.set_joint_positions({name: float(x) for name, x in zip(record.joint_names, record.q[row])
                                  if math.isfinite(x)})
         X_WT = None if record.target_poses is None else record.target_poses[row]
         if X_WT is not None and np.isfinite(X_WT).all():
-            sim.set_model_pose(self._target, X_WT[:3, 3], spatial.quaternion_xyzw(X_WT[:3, :3]))
-        return in_rgb(sim.render(self._camera), sim.camera_encoding(self._camera))
+            sim.set_model_pose(target, X_WT[:3, 3], spatial.quaternion_xyzw(X_WT[:3, :3]))
+        return in_rgb(sim.render(camera), sim.camera_encoding(camera))
+
+    return image

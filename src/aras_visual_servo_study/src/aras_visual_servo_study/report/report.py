@@ -11,21 +11,21 @@ the date of the run; the name of the folder does.
 import csv
 import hashlib
 import io
+import itertools
 import json
 import math
 import os
 import time
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any, Dict, Optional, Union
+from typing import Any, Dict, List, Optional, Union
 
 import numpy as np
 
 from aras_visual_servo import (STOP_NAMES, TWIST_NAMES, ArasError, RunRecord, StopSettings, fit_decay, judge, spatial,
                                spread, styles, tracking)
-from .rows import comparison_rows, is_number, stop_rows
-from .versions import installed_versions
 from .drawing import Drawing
+from .versions import installed_versions
 
 # The results published with the two experiments.
 PUBLISHED = {
@@ -34,6 +34,11 @@ PUBLISHED = {
     "experiment_2": {"label": "paper, experiment 2",
                      "x_mm": 4.0, "y_mm": 8.9, "z_mm": 7.2, "angle_deg": 0.03},
 }
+#: Columns of the table of final errors.
+ERROR_KEYS = ("x_mm", "y_mm", "z_mm", "angle_deg")
+#: What the stop rule judges beside the features: key, label, unit that is shown, its factor.
+_STOP = (("tilt_rad", "tilt", "mrad", 1e3), ("position_m", "distance from the goal", "mm", 1e3),
+         ("rotation_rad", "angle from the goal", "mrad", 1e3))
 PROBE_BYTES = 2**20  # which a disk must have left before a run begins; its report alone takes about as much
 
 
@@ -42,27 +47,21 @@ class ResultFolderError(ArasError):
 
 
 def create_result_folder(output: Union[str, Path], scenario_name: str, stamp: Optional[str] = None) -> Path:
-    """Make the empty folder OUTPUT/SCENARIO/STAMP and try whether it can be written.
+    """Makes the empty folder OUTPUT/SCENARIO/STAMP and tries whether it can be written. Returns its path.
 
-    Args:
-        output: root folder of all results.  scenario_name: name of the scenario.
-        stamp: name of the folder. None takes the local time, e.g. 20260131-142501, with -2, -3, ... if that exists.
-    Returns:
-        Path of the new folder.
-    Raises:
-        ResultFolderError: it cannot be made or written, with the system's reason.
+    Args: stamp: None takes the local time, e.g. 20260131-142501, with -2, -3, ... if that exists.
+    Raises: ResultFolderError: it cannot be made or written, with the system's reason.
     """
     parent = Path(os.path.expanduser(str(output))) / scenario_name
     name = stamp or time.strftime("%Y%m%d-%H%M%S")
     try:
         parent.mkdir(parents=True, exist_ok=True)
-        folder, number = parent / name, 1
-        while True:
+        folder = parent / name
+        for number in itertools.count(2):
             try:
                 folder.mkdir(exist_ok=stamp is not None)
                 break
             except FileExistsError:
-                number += 1
                 folder = parent / f"{name}-{number}"
         probe = folder / ".writable"
         try:
@@ -82,16 +81,13 @@ def save_results(record: RunRecord, folder: Union[str, Path], command: Optional[
     """Judge a run and write its result folder. The numbers are written first, before the pictures are drawn.
 
     Args:
-        record: RunRecord.  folder: existing folder.  command: how to repeat the run, for the report.
+        folder: existing folder.  command: how to repeat the run, for the report.
         video: write video.mp4 too (needs the images of the servo phase in the record, and ffmpeg) and show it in the
             report. If the video cannot be made, the report is written without it and a note in it says why.
         panels: write each of the six panels as panel_NAME.pdf too.
         drawing: `drawing.Drawing` that draws the figure meanwhile; None: this process draws it.
-    Returns:
-        The summary, as written to summary.json (see `summarise`), with `report`, the path of report.html (str).
-    Raises:
-        ResultFolderError: a file cannot be written.
-        NothingToJudge: the run never servoed; only trace.csv is written then.
+    Returns: The summary, as written to summary.json (see `summarise`), with `report`, the path of report.html.
+    Raises: ResultFolderError.  NothingToJudge: the run never servoed; only trace.csv is written then.
     """
     from . import page  # only here: jinja2 is slow to import, and so is matplotlib
     folder = Path(folder)
@@ -131,10 +127,7 @@ def _save_video(record, path):
 
 
 def summarise(record: RunRecord) -> Dict[str, Any]:
-    """Summary of a run as a dict for JSON, judged by the scenario's `experiment.judge`.
-
-    The keys stand in the order in which readers ask for them.
-    """
+    """Summary of a run for JSON, judged by the scenario's `experiment.judge`, keys in the order that readers ask."""
     result = judge(record)
     servo = record.settings.get("servo", {})
     base = published_name(record.scenario)
@@ -217,6 +210,47 @@ def trace_csv(record: RunRecord) -> str:
     return stream.getvalue()
 
 
+def comparison_rows(summary: Dict[str, Any]) -> List[Dict[str, Any]]:
+    """Rows of the table of final errors: dicts of label, kind ("ours", "limit", "paper", "start") and cells (text)."""
+    rows = [{"label": "this run", "kind": "ours",
+             "cells": [_signed(summary["final_error"], key) for key in ERROR_KEYS]}]
+    if summary["judge"]:
+        rows.append({"label": "allowed (experiment.judge)", "kind": "limit",
+                     "cells": [f"{summary['judge'][key]:g}" for key in ERROR_KEYS]})
+    if summary["published"]:
+        rows.append({"label": summary["published"]["label"], "kind": "paper",
+                     "cells": [f"{summary['published'][key]:g}" for key in ERROR_KEYS]})
+    rows.append({"label": "at the start of the servo", "kind": "start",
+                 "cells": [_signed(summary["initial_error"], key) for key in ERROR_KEYS]})
+    return rows
+
+
+def stop_rows(summary: Dict[str, Any]) -> List[Dict[str, str]]:
+    """Rows of what the stop rule judged beside the features: dicts of label, found and allowed, as text."""
+    stop, rows = summary.get("stop") or {}, []
+    for key, label, unit, factor in _STOP:
+        found = stop.get(key, {}).get("found")
+        if is_number(found):
+            allowed = stop[key]["allowed"]
+            rows.append({"label": label, "found": f"{found * factor:.3g} {unit}",
+                         "allowed": f"{allowed * factor:.3g} {unit}" if stop["rule"] == "pose" else "any"})
+    return rows
+
+
+def _signed(error, key):
+    value = error[key]
+    if not is_number(value):
+        return "unknown"
+    if key == "angle_deg":
+        return f"{value:.4f}" if value < 1.0 else f"{value:.2f}"
+    return f"{value:+.3f}" if abs(value) < 10.0 else f"{value:+.1f}"
+
+
+def is_number(value: Optional[float]) -> bool:
+    """Whether the value exists and is finite."""
+    return value is not None and math.isfinite(value)
+
+
 def format_summary(summary: Dict[str, Any]) -> str:
     """The summary as a table for the terminal, ASCII, at most 79 columns wide, str."""
     lines = [f"{summary['scenario']}: {'PASSED' if summary['passed'] else 'FAILED'} ({summary['reason']})", ""]
@@ -256,11 +290,12 @@ def _json_safe(value):
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def write_whole(path: Path, content: Union[str, bytes]) -> None:
-    """Writes a whole file or none, so that an interrupted run leaves no half of a file. Raises ResultFolderError."""
+def write_whole(path: Path, content: Union[str, bytes]) -> Path:
+    """Writes a whole file or none, so that none is left by half. Returns its path. Raises ResultFolderError."""
     partial = path.with_name(path.name + ".part")
     try:
         partial.write_bytes(content.encode() if isinstance(content, str) else content)
         partial.replace(path)
     except OSError as error:
         raise ResultFolderError(f"{path}: cannot be written: {error.strerror}") from error
+    return path

@@ -3,6 +3,7 @@
 import contextlib
 import functools
 import os
+import re
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +15,11 @@ def render(template: str, /, **values: Any) -> str:
     return _environment().get_template(template).render(**values)
 
 
-def source(name: str) -> str:
-    """Text of a file of config/templates as it stands there, for example a script."""
-    environment = _environment()
-    return environment.loader.get_source(environment, name)[0]
+def script(*modules: str) -> str:
+    """The modules of the folder web, each after those that it imports, as one script that needs no other file."""
+    texts = [(share_dir() / "web" / name).read_text(encoding="utf-8") for name in modules]
+    joined = "\n".join(re.sub(r"^import .*$|^export (?=const|class)", "", text, flags=re.MULTILINE) for text in texts)
+    return "(() => {\n\"use strict\";\n" + joined + "\n})();\n"
 
 
 @functools.lru_cache(maxsize=None)

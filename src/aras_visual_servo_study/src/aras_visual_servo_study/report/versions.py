@@ -20,7 +20,8 @@ _FOLDERS = ("/usr/lib/*-linux-gnu", "/usr/lib", "/usr/local/lib")
 
 
 @functools.lru_cache(maxsize=None)
-def _installed():
+def installed_versions() -> Dict[str, str]:
+    """Version by name: this package, ViSP, Bullet, KDL, OpenCV, numpy, matplotlib, Python, system."""
     versions = {"aras_visual_servo": package_version(share_dir() / "package.xml")}
     files = [file for folder in _FOLDERS for path in glob.glob(folder) for file in os.listdir(path) if ".so." in file]
     for name, pattern in _LIBRARIES.items():
@@ -38,11 +39,6 @@ def _installed():
     return versions
 
 
-def installed_versions() -> Dict[str, str]:
-    """Dict of name -> version: this package, ViSP, Bullet, KDL, OpenCV, numpy, matplotlib, Python, system."""
-    return dict(_installed())
-
-
 def package_version(path: Path) -> str:
     """The <version> of a package.xml, "unknown" if there is none."""
     try:
@@ -54,8 +50,7 @@ def package_version(path: Path) -> str:
 
 def _system():
     try:
-        with open("/etc/os-release", encoding="utf-8") as stream:
-            names = dict(line.rstrip().split("=", 1) for line in stream if "=" in line)
-        return f"{names.get('PRETTY_NAME', '').strip(chr(34))}, {platform.machine()}"
+        name = platform.freedesktop_os_release()["PRETTY_NAME"]
     except OSError:
-        return f"{platform.system()}, {platform.machine()}"
+        name = platform.system()
+    return f"{name}, {platform.machine()}"

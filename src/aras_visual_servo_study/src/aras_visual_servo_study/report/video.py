@@ -45,15 +45,8 @@ class Film:
 def save_video(record: RunRecord, path: Union[str, Path], ffmpeg: str = "ffmpeg") -> Film:
     """Write the video of the servo phase, one frame per image, at the speed of simulated time.
 
-    Args:
-        record: RunRecord with `images`.
-        path: of the .mp4 to write; an earlier file there is replaced when this one is complete.
-        ffmpeg: name or path of the encoder.
-    Returns:
-        Film.
-    Raises:
-        VideoError: ffmpeg is missing or failed (its words are quoted), the record has no images, or its robot cannot
-            be shown.
+    Args: path: of the .mp4; an earlier file there is replaced when this one is complete.  ffmpeg: the encoder.
+    Raises: VideoError: ffmpeg is missing or failed (its words are quoted), or the record lacks images or its robot.
     """
     program = shutil.which(ffmpeg)
     if program is None:
@@ -98,13 +91,7 @@ def save_video(record: RunRecord, path: Union[str, Path], ffmpeg: str = "ffmpeg"
 
 
 class Composer:
-    """Makes the frames of a video.
-
-    Args:
-        record: RunRecord with images.  rows: its rows to show.
-    Raises:
-        VideoError: the robot of the record cannot be shown.
-    """
+    """Makes the frames of a video of these rows of a record. Raises VideoError: its robot cannot be shown."""
 
     def __init__(self, record: RunRecord, rows: Sequence[int]) -> None:
         from .observer import Observer, ObserverError

@@ -4,16 +4,18 @@ The result of a run depends on its start alone, so runs may be done anywhere, in
 """
 
 import collections
+import contextlib
 import os
 import sys
 import time
-from concurrent.futures import CancelledError
+from concurrent.futures import FIRST_COMPLETED, CancelledError, wait
+from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Optional, Sequence, TextIO
 
 from aras_visual_servo import ArasError, ParameterError, Scenario, processes
+from ..report.drawing import forked
 from .judge import COLUMNS
-from .local import run_local
 from .metrics import judge_by
 from .plan import Start
 from .store import FILE, SweepStore
@@ -24,6 +26,7 @@ CHUNK = 8
 #: If the worker dies this often in a run, the run is stored as an error.
 DEATHS = 3
 CONNECT_S = 10.0
+AHEAD = 2  # chunks that are given out for each process of this machine, so that none waits
 
 
 class EngineError(ArasError):
@@ -32,11 +35,7 @@ class EngineError(ArasError):
 
 class Progress:
     """Shows runs done, rate and time left on stderr: in one line that is rewritten, or without a terminal in a new line
-    every `every_s`.
-
-    Args:
-        total: runs of the sweep.  rows: of those that were done before.
-    """
+    every `every_s`. `rows` are those of runs that were done before."""
 
     def __init__(self, total: int, rows: Sequence[Dict[str, Any]] = (), stream: Optional[TextIO] = None,
                  every_s: float = 10.0, clock: Callable[[], float] = time.monotonic) -> None:
@@ -93,14 +92,11 @@ def open_sweep(folder: Path, scenario: Scenario, starts: List[Start], settings: 
 
 def run_pending(store: SweepStore, setup: Dict[str, Any], workers: Optional[int] = None,
                 scheduler: Optional[str] = None, progress: Optional[Progress] = None) -> None:
-    """Do every run that is pending and save it.
+    """Does every run that is pending and saves it in the store.
 
-    Args:
-        store: `SweepStore`, open for writing.  setup: of `worker.make_setup`.
-        workers: processes on this machine; None: one a core; 0: this process alone.
+    Args: setup: of `worker.make_setup`.  workers: processes on this machine; None: one a core; 0: this process alone.
         scheduler: address of a Dask scheduler, "tcp://host:8786", instead of local workers.
-    Raises:
-        EngineError: there is no scheduler or no worker.  ParameterError: the workers refuse the sweep.
+    Raises: EngineError: there is no scheduler or no worker.  ParameterError: the workers refuse the sweep.
         Interrupted: a signal came; the runs that were done are saved.
     """
     pending = store.pending()
@@ -134,6 +130,39 @@ def _chunks(pending, count):
     """The runs in pieces for that many workers, so small that none has to wait long for the others at the end."""
     size = max(1, min(CHUNK, len(pending) // (4 * count)))
     return [pending[i:i + size] for i in range(0, len(pending), size)]
+
+
+def run_local(run: Callable[..., Any], setup: Dict[str, Any], chunks: List[List[Dict[str, Any]]], count: int,
+              deaths: int, save: Callable[[Any], None], give_up: Callable[[Dict[str, Any]], None]) -> None:
+    """Runs all chunks of plain starts in `count` processes; `save` is called with results of run(setup, chunk).
+
+    When a process dies, nobody knows in which run. So the runs that were under way are repeated one at a time. If one
+    alone lets a process die `deaths` times, `give_up` is called with its start.
+    """
+    for start in _run(run, setup, chunks, count, save):
+        if all(_run(run, setup, [[start]], 1, save) for _ in range(deaths)):
+            give_up(start)
+
+
+def _run(run, setup, chunks, count, save):
+    """Runs the chunks. Returns the starts that were under way when a process died."""
+    waiting, suspects = collections.deque(chunks), []
+    while waiting:
+        with forked(count) as pool, contextlib.suppress(BrokenProcessPool):
+            under_way = {}
+            try:
+                while waiting or under_way:
+                    while waiting and len(under_way) < AHEAD * count:
+                        under_way[pool.submit(run, setup, waiting[0])] = waiting[0]
+                        waiting.popleft()
+                    for future in wait(under_way, return_when=FIRST_COMPLETED).done:
+                        results = future.result()
+                        del under_way[future]
+                        save(results)
+            except BrokenProcessPool:
+                suspects += [start for chunk in under_way.values() for start in chunk]
+                raise
+    return suspects
 
 
 def _with_dask(setup, pending, scheduler, save):

@@ -30,7 +30,7 @@ def check_axes(axes: Sequence[str], rows: List[Dict[str, Any]]) -> Tuple[str, ..
     known = known_axes(rows)
     unknown = [axis for axis in axes if axis not in known]
     if unknown:
-        raise ParameterError(f"--axes {' '.join(axes)}: unknown {', '.join(unknown)}, known are {', '.join(known)}")
+        raise ParameterError(f"--axes: found {', '.join(unknown)}, allowed {', '.join(known)}")
     return tuple(axes)
 
 

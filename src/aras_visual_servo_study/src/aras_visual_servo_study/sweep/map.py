@@ -1,7 +1,6 @@
-"""What the maps of a page need to know of a sweep: a dot for each start, its result, and the command
-that repeats it.
+"""What the maps of a page need to know of a sweep: a dot for each start, its result, and the command that repeats it.
 
-The script config/templates/map.js draws them.
+The script web/map.js draws them.
 """
 
 import json
@@ -20,16 +19,16 @@ OUTCOMES = {"success": {"label": "success", "color": palette.BLUE},
 RESULTS = (("duration_s", "time", "s", 3), ("error_mm", "final error", "mm", 4), ("angle_deg", "final angle", "deg", 4),
            ("path_mm", "length of the path", "mm", 1), ("border_px", "nearest to the image border", "px", 1),
            ("joint_room", "room of the joints", "", 2))
+#: Modules of the folder web that draw the maps, each after those that it imports.
+MAP_MODULES = ("lib/dom.js", "lib/draw.js", "map.js")
 #: Digits of a number in the page: more than a map can show.
 SIGNIFICANT = 7
 
 
 def sweep_maps(rows: List[Dict[str, Any]], axes: Tuple[str, ...], folder: Optional[str] = None) -> str:
-    """The data of a sweep's maps, as JSON that may stand in a page.
+    """The data of a sweep's maps, as JSON that may stand in a page; axes: the two columns to begin with.
 
-    Args:
-        rows: of `SweepStore.rows`.  axes: the two columns to begin with.
-        folder: of the sweep, for the command that repeats a run; None: where the page is.
+    Args: folder: of the sweep, for the command that repeats a run; None: where the page is.
     """
     success: Dict[str, Any] = {"title": "result", "key": "outcome", "kind": "classes", "classes": OUTCOMES}
     time = {"title": "time to the end [s], where it succeeded", "key": "succeeded_s", "kind": "scale"}

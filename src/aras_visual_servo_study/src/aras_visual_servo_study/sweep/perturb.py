@@ -44,11 +44,7 @@ class Perturbation:
 
 
 def read_perturbations(section: Mapping[str, Any], scenario: Scenario) -> List[Perturbation]:
-    """Perturbations of the section, in the order of the file. Each is tried on the scenario.
-
-    Raises:
-        ParameterError: it lists unknown names with the known ones, malformed ranges, and values the scenario refuses.
-    """
+    """Perturbations of the section, in the order of the file. Each is tried on the scenario. Raises ParameterError."""
     faults, found = [], []
     for name, source in section.items():
         where = f"sweep.perturb.{name}"
@@ -56,7 +52,7 @@ def read_perturbations(section: Mapping[str, Any], scenario: Scenario) -> List[P
         if perturbation is None:
             faults.append(f"{where}: found {source}, allowed [low, high] with low <= high, or {{values: [...]}}")
         elif name not in KNOWN and not _is_path(name, scenario):
-            faults.append(f"{where}: unknown, known are {', '.join(KNOWN)}, and dotted paths of the scenario's "
+            faults.append(f"{where}: found an unknown name, allowed {', '.join(KNOWN)}, and dotted paths of the "
                           f"sections {', '.join(DOTTED_SECTIONS)} without experiment.start, e.g. servo.gains_per_s.xn")
         else:
             for value in perturbation.ends():
@@ -72,13 +68,7 @@ def read_perturbations(section: Mapping[str, Any], scenario: Scenario) -> List[P
 
 
 def perturbed(scenario: Scenario, parameters: Dict[str, Any]) -> Scenario:
-    """The scenario with these values put in, a Scenario.
-
-    Args:
-        scenario: `Scenario`.  parameters: dict of perturbation name -> value; {} returns the scenario itself.
-    Raises:
-        ParameterError: the scenario refuses a value.
-    """
+    """The scenario with these values of perturbations put in. Raises ParameterError: it refuses a value."""
     if not parameters:
         return scenario
     overrides = {name: value for name, value in parameters.items() if name not in KNOWN}

@@ -53,8 +53,7 @@ class SweepSettings:
     def from_scenario(cls, scenario: Scenario, kinematics: RobotKinematics, **changes: Any) -> "SweepSettings":
         """Read the section. Keyword arguments that are not None replace its keys.
 
-        Raises:
-            ParameterError: it lists every fault in a line of its own.
+        Raises: ParameterError: it lists every fault in a line of its own.
         """
         given = dict(scenario.sweep)
         given.update({key: value for key, value in changes.items() if value is not None})
@@ -68,7 +67,8 @@ class SweepSettings:
             raise ParameterError(faults)
         if section.space == "joint":
             goal = place_of(scenario.experiment["goal"], "experiment.goal", kinematics)
-            ranges = section.joints or _around(goal.joints)
+            ranges = section.joints or {name: (at - JOINT_HALF_WIDTH, at + JOINT_HALF_WIDTH)
+                                        for name, at in goal.joints.items()}
             ranges = {name: ranges[name] for name in kinematics.joint_names if name in ranges}
         else:
             ranges = getattr(section, section.space).as_dict()
@@ -86,19 +86,13 @@ class SweepSettings:
         return values
 
 
-def _around(joints):
-    """Ranges about the goal, of every joint that it names."""
-    return {name: (at - JOINT_HALF_WIDTH, at + JOINT_HALF_WIDTH) for name, at in joints.items()}
-
-
 def sample(method: str, count: int, dimensions: int, seed: Union[int, Sequence[int]]) -> np.ndarray:
     """Points in the unit cube.
 
     Args:
         method: one of METHODS. A grid is the largest with at most `count` points, the centres of its cells.
         count: >= 1.  dimensions: >= 0.  seed: whole number, or a sequence of them.
-    Returns:
-        (n, dimensions), n <= count, each in [0, 1).
+    Returns: (n, dimensions), n <= count, each in [0, 1).
     """
     rng = np.random.default_rng(seed)
     if dimensions == 0:
@@ -116,8 +110,7 @@ def sample(method: str, count: int, dimensions: int, seed: Union[int, Sequence[i
 def make_starts(settings: SweepSettings, scenario: Scenario, kinematics: RobotKinematics) -> List[Start]:
     """The runs of a sweep, a list of `Start`; equal arguments give equal runs.
 
-    Raises:
-        ParameterError: the scenario does not have what the space or the goals need.
+    Raises: ParameterError: the scenario does not have what the space or the goals need.
     """
     varied = {name: ends for name, ends in settings.ranges.items() if ends[0] < ends[1]}
     places = sample(settings.method, settings.starts, 6 if settings.space == "ball" else len(varied),
@@ -159,13 +152,15 @@ class Planner:
              wanted: Dict[str, float]) -> Tuple[Optional[Dict[str, float]], Dict[str, float], Dict[str, Any], str]:
         """(joints, offset, goal, refusal) of one run."""
         goal, q_goal, refusal = {}, self._goal, ""
-        offset = self._offset(place, point) if self.settings.space != "view" else {}
+        space, offset = self.settings.space, {}
+        if space in ("camera", "ball"):
+            offset = point if space == "camera" else in_ball(self.settings.ranges, place)
         if wanted:
             goal, refusal = self.tilted(wanted)
             if refusal:
                 return None, offset, goal, f"goal {refusal}"
             q_goal = self._kinematics.vector(goal["joints"])
-        if self.settings.space == "joint":
+        if space == "joint":
             joints = {**self._kinematics.by_name(q_goal), **point}
         else:
             try:
@@ -174,10 +169,6 @@ class Planner:
                 return None, offset, goal, str(error)
             joints, refusal = reach(self._kinematics, q_goal, self._kinematics.pose(q_goal) @ pose_of(offset))
         return joints, offset, goal, refusal or self.feasibility.refusal(q_goal, self._kinematics.vector(joints))
-
-    def _offset(self, place, point):
-        return {"camera": lambda: point, "joint": dict,
-                "ball": lambda: in_ball(self.settings.ranges, place)}[self.settings.space]()
 
     def tilted(self, wanted: Dict[str, float]) -> Tuple[Dict[str, Any], str]:
         """(goal of a `Start`, why it cannot be reached or \"\") of a tilted goal."""

@@ -8,10 +8,10 @@ import math
 from pathlib import Path
 from typing import Any, Dict, List, Optional, Sequence, Tuple
 
-from ..report.report import ResultFolderError, write_whole
-from ..report.template import render, source
+from ..report.report import write_whole
+from ..report.template import render, script
 from .figure import DEFAULT_AXES, save_figures
-from .map import sweep_maps
+from .map import MAP_MODULES, sweep_maps
 from .metrics import known_metrics
 from .statistics import aggregate, every_run_succeeds, reasons
 from ..report.drawing import Drawing
@@ -24,31 +24,19 @@ CAPTIONS = {"map": "Result, time to the end and final error over two axes.",
 
 def save_csv(store: SweepStore) -> Path:
     """Write runs.csv. Returns its path."""
-    path = store.folder / "runs.csv"
-    write_whole(path, store.csv())
-    return path
+    return write_whole(store.folder / "runs.csv", store.csv())
 
 
 def save_report(store: SweepStore, axes: Tuple[str, ...] = DEFAULT_AXES, drawing: Optional[Drawing] = None) -> Path:
-    """Write runs.csv, the figures and sweep.html.
+    """Writes runs.csv, the figures and sweep.html of a store with at least one run. Returns the path of sweep.html.
 
-    Args:
-        store: `SweepStore` with at least one run.  axes: two columns, see `figure.known_axes`.
-        drawing: `Drawing` that draws the figures; None: processes of this one draw them.
-    Returns:
-        Path of sweep.html.
-    Raises:
-        ResultFolderError: a file cannot be written.
+    Args: axes: two columns, see `figure.known_axes`.  drawing: draws the figures; None: processes of this one do.
+    Raises: ResultFolderError: a file cannot be written.
     """
     save_csv(store)
     rows = store.rows()
-    try:
-        pictures = save_figures(rows, store.folder, axes, drawing)
-    except OSError as error:
-        raise ResultFolderError(f"{store.folder}: a figure cannot be written: {error}") from error
-    path = store.folder / "sweep.html"
-    write_whole(path, report_html(store, rows, pictures, axes))
-    return path
+    pictures = save_figures(rows, store.folder, axes, drawing)
+    return write_whole(store.folder / "sweep.html", report_html(store, rows, pictures, axes))
 
 
 def report_html(store: SweepStore, rows: List[Dict[str, Any]], pictures: Dict[str, bytes],
@@ -68,7 +56,7 @@ def report_html(store: SweepStore, rows: List[Dict[str, Any]], pictures: Dict[st
                                                  ("position error [mm]", "error", "mm", "{:.4f}"),
                                                  ("angle [deg]", "angle", "deg", "{:.5f}"))],
         reasons=reasons(rows),
-        maps=sweep_maps(rows, axes), script=source("map.js"), map=base64.b64encode(pictures["map"]).decode(),
+        maps=sweep_maps(rows, axes), script=script(*MAP_MODULES), map=base64.b64encode(pictures["map"]).decode(),
         map_caption=CAPTIONS["map"], one_colour=every_run_succeeds(rows),
         pictures=[(CAPTIONS[name], base64.b64encode(png).decode()) for name, png in pictures.items() if name in shown],
         settings=setting_rows(store.meta), command=store.meta["command"],
@@ -91,12 +79,12 @@ def setting_rows(meta: Dict[str, Any]) -> List[Tuple[str, str]]:
 
 
 def format_summary(store: SweepStore) -> str:
-    """The sweep as a few lines for the terminal, str."""
+    """The sweep as a few lines for the terminal."""
     return format_rows(store.meta["setup"]["scenario"]["name"], store.rows())
 
 
 def format_rows(scenario: str, rows: List[Dict[str, Any]]) -> str:
-    """The runs of a scenario, by its name, as a few lines, str."""
+    """The runs of a scenario, by its name, as a few lines."""
     numbers = aggregate(rows)
     lines = [f"{scenario}: {numbers['runs']} runs, {numbers['feasible']} feasible, "
              f"{numbers['infeasible']} starts refused, {numbers['errors']} errors"]

@@ -71,9 +71,7 @@ class _Shared:
 class SweepRunner:
     """Runs starts of one scenario, one after another.
 
-    Args:
-        scenario: `Scenario`.
-        drive_to_start: drive the arm to goal and start as `run` does, instead of placing it there.
+    Args: drive_to_start: drive the arm to goal and start as `run` does, instead of placing it there.
         images: keep the taught view, the first and the last one in the records; rows do not depend on it.
     """
 
@@ -85,11 +83,9 @@ class SweepRunner:
         self._kinematics = None
 
     def run(self, start: Start) -> Tuple[Dict[str, Any], Optional[RunRecord]]:
-        """Run one start.
+        """Runs one start. Returns (row, record): dict of COLUMNS, and None if the run was infeasible or broke off.
 
-        Returns:
-            (row, record): dict of COLUMNS, and RunRecord or None if the run was infeasible or broke off. Whatever
-            goes wrong in a run is told in its row and not raised.
+        Whatever goes wrong in a run is told in its row and not raised.
         """
         try:
             if start.refusal:

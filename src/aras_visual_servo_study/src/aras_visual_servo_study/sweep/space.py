@@ -19,12 +19,17 @@ VIEW_MARGIN_PX = 2.0
 PARALLEL_RAD = 0.01
 
 
+def transform(R: np.ndarray, p: np.ndarray) -> np.ndarray:
+    """(4, 4) of a rotation (3, 3) and a position (3,)."""
+    X = np.eye(4)
+    X[:3, :3], X[:3, 3] = R, p
+    return X
+
+
 def pose_of(offset: Dict[str, float]) -> np.ndarray:
     """X_CgC, (4, 4), of a displacement along and a rotation vector about CAMERA_AXES; missing axes are 0."""
     delta = np.array([offset.get(axis, 0.0) for axis in CAMERA_AXES])
-    X = np.eye(4)
-    X[:3, :3], X[:3, 3] = spatial.rotation(delta[3:]), delta[:3]
-    return X
+    return transform(spatial.rotation(delta[3:]), delta[:3])
 
 
 def offset_of(X: np.ndarray) -> Dict[str, float]:
@@ -33,12 +38,9 @@ def offset_of(X: np.ndarray) -> Dict[str, float]:
 
 
 def in_ball(ranges: Dict[str, Tuple[float, float]], place: np.ndarray) -> Dict[str, float]:
-    """Displacement within a distance and an angle of the goal, by axis of CAMERA_AXES.
+    """Displacement by axis of CAMERA_AXES: position and rotation vector are each uniform in a ball or hollow ball.
 
-    Args:
-        ranges: BALL_AXES -> (least, most).  place: (6,) in the unit cube.
-    Returns:
-        dict by axis. Position and rotation vector are each uniform in a ball, hollow if its least radius is not 0.
+    Args: ranges: BALL_AXES -> (least, most).  place: (6,) in the unit cube.
     """
     parts = []
     for (low, high), (a, b, c) in zip((ranges[axis] for axis in BALL_AXES), (place[:3], place[3:])):
@@ -51,10 +53,8 @@ def in_ball(ranges: Dict[str, Tuple[float, float]], place: np.ndarray) -> Dict[s
 class View:
     """Space view of a scenario.
 
-    Args:
-        scenario: `Scenario`.  X_WCg: (4, 4) pose of the camera at the goal.
-    Raises:
-        ParameterError: there is no flat target of known outline, or it is not parallel to the image at the goal.
+    Args: scenario: `Scenario`.  X_WCg: (4, 4) pose of the camera at the goal.
+    Raises: ParameterError: there is no flat target of known outline, or it is not parallel to the image at the goal.
     """
 
     def __init__(self, scenario: Scenario, X_WCg: np.ndarray) -> None:
@@ -77,8 +77,7 @@ class View:
         Args:
             point: dict of u, v: place of the box around the outline, -1 at the left or upper border of the image and 1
                 at the right or lower one; depth_m: of the target; rz_rad: turn of the camera about its axis.
-        Raises:
-            ParameterError: the target does not fit into the image at that depth.
+        Raises: ParameterError: the target does not fit into the image at that depth.
         """
         R = spatial.rotation(np.array([0.0, 0.0, point["rz_rad"]]))
         depth_m = point["depth_m"]
@@ -88,10 +87,7 @@ class View:
             raise ParameterError(f"target does not fit into the image: at depth {depth_m:.3g} m")
         part = 0.5 * (1.0 + np.array([point["u"], point["v"]]))
         x, y = least + part * (most - least)
-        X = np.eye(4)
-        X[:3, :3] = R
-        X[:3, 3] = self._X_CgT[:3, 3] - R @ (depth_m * np.array([x, y, 1.0]))
-        return offset_of(X)
+        return offset_of(transform(R, self._X_CgT[:3, 3] - R @ (depth_m * np.array([x, y, 1.0]))))
 
 
 def tilted_goal(point: Dict[str, float], t_C: np.ndarray, normal_C: Sequence[float]) -> Tuple[np.ndarray, np.ndarray]:
@@ -100,10 +96,7 @@ def tilted_goal(point: Dict[str, float], t_C: np.ndarray, normal_C: Sequence[flo
     Args:
         point: dict of tilt_rad: by how much, and about_rad: about which axis in the image plane (0: x, pi/2: y).
         t_C: (3,) position of the target in the goal camera [m].  normal_C: (3,) its normal there.
-    Returns:
-        (X_CgCn, normal): pose of the new camera Cn in the old one, and the normal of the target in Cn, (3,).
+    Returns: (X_CgCn, normal): pose of the new camera Cn in the old one, and the normal of the target in Cn, (3,).
     """
     R = spatial.rotation(point["tilt_rad"] * np.array([cos(point["about_rad"]), sin(point["about_rad"]), 0.0]))
-    X = np.eye(4)
-    X[:3, :3], X[:3, 3] = R, np.asarray(t_C) - R @ np.asarray(t_C)
-    return X, np.asarray(normal_C, dtype=float) @ R
+    return transform(R, np.asarray(t_C) - R @ np.asarray(t_C)), np.asarray(normal_C, dtype=float) @ R

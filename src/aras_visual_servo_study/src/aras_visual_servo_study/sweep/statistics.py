@@ -21,10 +21,8 @@ def every_run_succeeds(rows: List[Dict[str, Any]]) -> bool:
 def wilson(successes: int, count: int, z: float = Z_95) -> Tuple[float, float]:
     """Wilson's score interval of a proportion.
 
-    Args:
-        successes, count: whole numbers, 0 <= successes <= count.  z: quantile, default 95 % two-sided.
-    Returns:
-        (low, high) in [0, 1]; (0, 1) for count 0.
+    Args: successes, count: whole numbers, 0 <= successes <= count.  z: quantile, default 95 % two-sided.
+    Returns: (low, high) in [0, 1]; (0, 1) for count 0.
     Reference: Wilson, JASA 22(158), 1927, 209-212.
     """
     if count == 0:
@@ -37,12 +35,9 @@ def wilson(successes: int, count: int, z: float = Z_95) -> Tuple[float, float]:
 
 
 def mcnemar(only_a: int, only_b: int) -> float:
-    """Exact two-sided p-value of the hypothesis that two methods succeed equally often on the same starts.
+    """Exact two-sided p-value of the hypothesis that two methods succeed equally often; 1 if there are no pairs.
 
-    Args:
-        only_a, only_b: number of pairs where only A, only B succeeded.
-    Returns:
-        p in [0, 1]; 1 if there are no such pairs.
+    Args: only_a, only_b: number of pairs where only A, only B succeeded.
     Reference: McNemar, Psychometrika 12(2), 1947; the exact form is a sign test.
     """
     from scipy.stats import binomtest
@@ -51,13 +46,7 @@ def mcnemar(only_a: int, only_b: int) -> float:
 
 
 def signed_rank(a: Sequence[float], b: Sequence[float]) -> float:
-    """Two-sided p-value of Wilcoxon's signed-rank test of paired values.
-
-    Args:
-        a, b: (n,) paired values.
-    Returns:
-        p in [0, 1]; 1 if the values of every pair are equal, NaN if there are no pairs.
-    """
+    """Two-sided p-value of Wilcoxon's signed-rank test; 1 if all pairs are equal, NaN if there are none."""
     from scipy.stats import wilcoxon
     difference = np.asarray(a, dtype=float) - np.asarray(b, dtype=float)
     if not len(difference):
@@ -68,10 +57,8 @@ def signed_rank(a: Sequence[float], b: Sequence[float]) -> float:
 def success_curve(distances: Any, successes: Any, bins: int = 8) -> List[Dict[str, float]]:
     """Success rate against distance, in bins of equal width.
 
-    Args:
-        distances: (n,).  successes: (n,) 0 or 1.
-    Returns:
-        list of dict low, high, middle, count, rate, ci_low, ci_high; empty bins are left out.
+    Args: distances: (n,).  successes: (n,) 0 or 1.
+    Returns: list of dict low, high, middle, count, rate, ci_low, ci_high; empty bins are left out.
     """
     distances, successes = np.array(distances, dtype=float), np.array(successes, dtype=float)
     if not len(distances):
@@ -92,9 +79,8 @@ def success_curve(distances: Any, successes: Any, bins: int = 8) -> List[Dict[st
 def aggregate(rows: List[Dict[str, Any]]) -> Dict[str, float]:
     """Numbers of a sweep by name. Infeasible starts are counted in `runs` and `infeasible` and left out of the rest.
 
-    Returns:
-        dict name -> number. Rates, one of each metric, are those of the feasible runs of which it says something, times
-        and errors those of the runs that succeeded; a number is NaN if there are no such runs.
+    Rates, one of each metric, are those of the feasible runs of which it says something; times and errors are those of
+    the runs that succeeded; a number is NaN if there are no such runs.
     """
     feasible = [row for row in rows if row["outcome"] != "infeasible"]
     won = [row for row in feasible if row["success"]]

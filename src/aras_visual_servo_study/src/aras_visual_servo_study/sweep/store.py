@@ -4,6 +4,7 @@ Tables: `meta` (key, value as JSON); `starts` (every run that is planned); `runs
 its result, nothing that depends on machine or day); `timing` (id, wall_s, done_at).
 """
 
+import contextlib
 import csv
 import fcntl
 import io
@@ -12,7 +13,7 @@ import os
 import sqlite3
 import time
 from pathlib import Path
-from typing import Any, Dict, List, Optional, Sequence, Tuple, Union
+from typing import Any, Dict, Iterable, List, Optional, Sequence, Tuple, Union
 
 from aras_visual_servo import GOAL_AXES, ArasError
 from .plan import Start
@@ -114,8 +115,7 @@ class SweepStore:
     def add(self, results: Sequence[Tuple[Dict[str, Any], float]], starts: Dict[int, Start]) -> None:
         """Save these runs, either all or none.
 
-        Args:
-            results: list of (row, wall_s), row a dict of COLUMNS.  starts: dict id -> `Start`.
+        Args: results: list of (row, wall_s), row a dict of COLUMNS.  starts: dict id -> `Start`.
         """
         names = list(COLUMNS) + self.extra
         marks = ", ".join("?" * len(names))
@@ -135,14 +135,8 @@ class SweepStore:
 
     def csv(self) -> str:
         """The table `runs` as text."""
-        stream = io.StringIO()
-        writer = csv.writer(stream, lineterminator="\n")
         names = list(COLUMNS) + self.extra
-        writer.writerow(names)
-        for row in self.rows():
-            writer.writerow(["" if row[name] is None else repr(row[name]) if isinstance(row[name], float)
-                             else row[name] for name in names])
-        return stream.getvalue()
+        return csv_text(names, ([row[name] for name in names] for row in self.rows()))
 
     def close(self) -> None:
         """Close the file and release the lock, so that other processes may write."""
@@ -166,20 +160,22 @@ class SweepStore:
         return [row[name] for name in COLUMNS] + [given.get(name) for name in self.extra]
 
 
-class _speaking:
-    """Context: turns errors of SQLite, and of values that are not what was written, into StoreError with the name of
-    the file."""
+@contextlib.contextmanager
+def _speaking(path):
+    """Turns errors of SQLite, and of values that are not what was written, into StoreError with the file's name."""
+    try:
+        yield
+    except (sqlite3.Error, ValueError, TypeError, RecursionError) as error:
+        raise StoreError(f"{path}: cannot be read or written: {error}") from error
 
-    def __init__(self, path):
-        self._path = path
 
-    def __enter__(self):
-        return self
-
-    def __exit__(self, kind, error, _):
-        if kind is not None and issubclass(kind, (sqlite3.Error, ValueError, TypeError, RecursionError)):
-            raise StoreError(f"{self._path}: cannot be read or written: {error}") from error
-        return False
+def csv_text(names: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
+    """Rows of values, with their names above, as text: a float with all its digits, nothing for None."""
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(names)
+    writer.writerows([repr(value) if isinstance(value, float) else value for value in row] for row in rows)
+    return stream.getvalue()
 
 
 def _connect(path):

@@ -40,14 +40,9 @@ def scenario_of(setup: Dict[str, Any]) -> Scenario:
 
 
 def run_chunk(setup: Dict[str, Any], starts: List[Dict[str, Any]]) -> List[Tuple[Dict[str, Any], float]]:
-    """Run some starts. This is the function that workers call.
+    """Runs some starts, dicts of the fields of `Start`, as workers do. Returns a list of (row, wall_s).
 
-    Args:
-        setup: of `make_setup`.  starts: list of dicts, fields of `Start`.
-    Returns:
-        list of (row, wall_s).
-    Raises:
-        ParameterError: this machine has other files and cannot run the sweep.
+    Raises: ParameterError: this machine has other files and cannot run the sweep.
     """
     bench = _bench(setup)
     results = []

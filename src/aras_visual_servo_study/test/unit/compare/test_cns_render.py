@@ -5,7 +5,7 @@ import pytest
 
 from aras_visual_servo import load_yaml, ParameterError
 from aras_visual_servo.spatial import quaternion_xyzw, rotation_rpy
-from aras_visual_servo_study.compare.protocols import board as boards, cns_render, props, protocol_named, settled
+from aras_visual_servo_study.compare.protocols import board as boards, cns_render, protocol_named, settled
 
 STILL_M, STILL_S = 1e-3, 0.3
 
@@ -20,7 +20,7 @@ def vertices_and_faces(path):
 
 @pytest.fixture(scope="module")
 def meshes(tmp_path_factory):
-    return props.save_props(tmp_path_factory.mktemp("props"))
+    return settled.save_props(tmp_path_factory.mktemp("props"))
 
 
 def test_both_poses_of_a_scene_are_within_the_published_ranges():
@@ -37,8 +37,8 @@ def test_both_poses_of_a_scene_are_within_the_published_ranges():
 
 
 def test_a_thing_is_closed_with_its_sides_outward_and_painted(meshes):
-    assert sorted(meshes) == sorted(prop.name for prop in props.PROPS)
-    for prop in props.PROPS:
+    assert sorted(meshes) == sorted(prop.name for prop in settled.PROPS)
+    for prop in settled.PROPS:
         vertices, normals, faces = vertices_and_faces(meshes[prop.name])
         a, b, c = (vertices[faces[:, k, 0]] for k in range(3))
         x, y = prop.corners.T
@@ -56,13 +56,13 @@ def test_the_record_has_150_scenes_of_our_things():
     scenes = settled.load_scenes(cns_render.RECORD)
     assert sorted(scenes) == list(range(1, 151))
     assert {len(things) for things in scenes.values()} == {8, 9, 10, 11}
-    assert {one.thing for things in scenes.values() for one in things} == {prop.name for prop in props.PROPS}
+    assert {one.thing for things in scenes.values() for one in things} == {prop.name for prop in settled.PROPS}
 
 
 @pytest.mark.parametrize("number", (1, 76, 150))
 def test_recorded_things_are_at_rest(meshes, number):
-    simulation = pytest.importorskip("aras_visual_servo_sim").Simulation
-    sim, places = settled.table(simulation), {}
+    pytest.importorskip("aras_visual_servo_sim")
+    sim, places = settled.table(), {}
     for k, one in enumerate(settled.load_scenes(cns_render.RECORD)[number]):
         name = f"thing_{k + 1}"
         sim.spawn_model({"name": name, "mesh": str(meshes[one.thing]), "mass_kg": settled.MASS_KG, "touches": "all",

@@ -18,7 +18,7 @@ from aras_visual_servo.cli import EXIT_PARAMETERS, EXIT_PASSED
 from aras_visual_servo.cli.main import main
 from aras_visual_servo.spatial import rotation_vector
 from aras_visual_servo_study.compare.laws import load_comparison, run_comparison
-from aras_visual_servo_study.compare.laws_figure import make_figure, part_of
+from aras_visual_servo_study.compare.laws_report import make_figure, part_of
 from aras_visual_servo_study.compare.laws_report import arrived, ARRIVED_DEG, ARRIVED_MM, csv_text, verdict
 from aras_visual_servo_study.compare.side_by_side import differing, read_run, rows_of
 from aras_visual_servo_study.files import share_dir
@@ -74,7 +74,7 @@ def test_faults_are_named(tmp_path, changes, words, expected):
 
 
 def test_an_unknown_comparison_lists_the_known_ones():
-    with pytest.raises(ParameterError, match="not found, known are canonical"):
+    with pytest.raises(ParameterError, match="comparison: found .*allowed .*canonical"):
         load_comparison("canonicle")
 
 

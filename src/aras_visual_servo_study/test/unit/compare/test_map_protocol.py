@@ -11,14 +11,14 @@ from aras_visual_servo.laws import base as laws
 from aras_visual_servo.laws.image import ImageBased
 from aras_visual_servo_study.compare.protocols import protocol_named, runner
 from aras_visual_servo_study.compare.protocols.base import Case
-from aras_visual_servo_study.compare.protocols.convergence import cells, page, sets, starts
+from aras_visual_servo_study.compare.protocols.convergence import page, sets, starts
 from aras_visual_servo_study.sweep.statistics import wilson
 
 
 def rows_of(count, arrives):
     """A row for each of the starts; arrives: function of distance [m] and angle [rad]."""
     rows = []
-    for number, (a, b) in enumerate(starts.halton(count, (2, 3)), start=1):
+    for number, (a, b) in enumerate(starts.halton(count), start=1):
         won = int(arrives(starts.MOST_M * a, starts.MOST_RAD * b))
         rows.append({"id": number, "outcome": "success" if won else "failure", "success": won, "strict": won,
                      "distance0_mm": 1e3 * starts.MOST_M * a, "angle0_deg": math.degrees(starts.MOST_RAD * b),
@@ -69,7 +69,7 @@ def test_starts_cover_distance_and_angle_evenly_and_see_the_whole_target():
     offsets = np.array([list(start.offset.values()) for start in planned])
     place = np.stack([np.linalg.norm(offsets[:, :3], axis=1) / starts.MOST_M,
                       np.linalg.norm(offsets[:, 3:], axis=1) / starts.MOST_RAD])
-    np.testing.assert_allclose(place.T, starts.halton(36, (2, 3)), atol=1e-9)
+    np.testing.assert_allclose(place.T, starts.halton(36), atol=1e-9)
     runs, _, _ = np.histogram2d(*place, bins=3, range=[(0.0, 1.0)] * 2)
     assert np.abs(runs - 4).max() <= 1
     outline = starts._rectangle(scenario)
@@ -83,17 +83,17 @@ def test_starts_cover_distance_and_angle_evenly_and_see_the_whole_target():
 
 def test_cells_count_the_runs_and_only_a_box_in_which_all_arrive_is_promised():
     rows = rows_of(216, lambda distance_m, angle_rad: distance_m < 0.2 and angle_rad < 0.5 * math.pi)
-    found = cells.map_of(rows)
+    found = page.map_of(rows)
     assert found.runs.shape == (6, 6) and found.runs.sum() == 216 and abs(found.runs - 6).max() <= 2
     assert (found.won[:4, :3] == found.runs[:4, :3]).all() and not found.won[4:].any() and not found.won[:, 3:].any()
     assert found.interval(0, 0) == wilson(int(found.won[0, 0]), int(found.runs[0, 0]))
-    promised = cells.certificate(found)
+    promised = page.certificate(found)
     assert (promised.distance_m, promised.angle_rad) == pytest.approx((0.2, 0.5 * math.pi))
     assert promised.runs == found.runs[:4, :3].sum() and promised.least == wilson(promised.runs, promised.runs)[0]
     assert promised.words() == f"0.2 m, 90°: {promised.runs} of {promised.runs}, > {100 * promised.least:.0f} %"
     rows[0]["success"] = 0 if rows[0]["success"] else 1
-    assert cells.certificate(cells.map_of(rows)) != promised
-    assert cells.certificate(cells.map_of(rows_of(24, lambda *_: False))).words() == ""
+    assert page.certificate(page.map_of(rows)) != promised
+    assert page.certificate(page.map_of(rows_of(24, lambda *_: False))).words() == ""
 
 
 def test_the_page_holds_every_map_with_its_intervals_and_is_the_same_for_the_same_runs(tmp_path):

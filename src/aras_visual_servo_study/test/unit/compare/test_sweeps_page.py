@@ -10,7 +10,7 @@ from browser import Browser, CHROMIUM
 
 from aras_visual_servo.cli.main import main
 from aras_visual_servo_study.compare.sweeps import compare_pair
-from aras_visual_servo_study.compare.sweeps_report import paired_maps, sweeps_page
+from aras_visual_servo_study.compare.sweeps import paired_maps, sweeps_page
 from aras_visual_servo_study.report.template import render
 from aras_visual_servo_study.sweep.store import SweepStore
 

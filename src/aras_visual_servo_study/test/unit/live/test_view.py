@@ -11,7 +11,7 @@ from aras_visual_servo import load_scenario, ModelError, resolve_uri, Status
 from aras_visual_servo.spatial import rotation_rpy
 from aras_visual_servo_study.live.following import FOLLOWED, Following
 from aras_visual_servo_study.live.hub import jpeg
-from aras_visual_servo_study.live.view.meshes import as_block, mesh_block, STEPS, triangles_of
+from aras_visual_servo_study.live.view.robot import as_block, mesh_block, STEPS, triangles_of
 from aras_visual_servo_study.live.view.robot import mesh_blocks, robot_of
 from aras_visual_servo_study.live.view.scene import pose_numbers, scene_of
 

@@ -45,9 +45,9 @@ def test_the_same_run_gives_the_same_replay(record):
 def test_images_drawn_again_are_those_of_the_run(record):
     kept = avs.run(load_scenario("experiment_1"), keep_images=True)
     rows = kept.servo_rows
-    again = replay._Camera(record, load_scenario("experiment_1"), "target")
+    again = replay._camera(record, load_scenario("experiment_1"), "target")
     for row in rows[[0, len(rows) // 2, -1]]:
-        assert np.array_equal(again.image(row), kept.images[row])
+        assert np.array_equal(again(row), kept.images[row])
     assert replay._data(kept)["again"] is False and replay._data(record)["again"] is True
 
 

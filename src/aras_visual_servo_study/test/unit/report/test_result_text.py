@@ -11,7 +11,7 @@ from synthetic import blob, make_record, SETTINGS
 
 from aras_visual_servo_study.report import page, replay, report, template, versions
 from aras_visual_servo_study.report.drawing import Drawing
-from aras_visual_servo_study.report.rows import stop_rows
+from aras_visual_servo_study.report.report import stop_rows
 from aras_visual_servo_study.report.video import Film
 
 
@@ -78,7 +78,7 @@ def test_the_version_of_a_library_is_the_longest_that_its_files_name(tmp_path, m
 
     monkeypatch.setattr(versions, "_FOLDERS", (str(tmp_path), str(tmp_path / "missing")))
     monkeypatch.setattr(versions.metadata, "version", missing)
-    found = versions._installed.__wrapped__()
+    found = versions.installed_versions.__wrapped__()
     assert {name: found.get(name) for name in versions._LIBRARIES} == {
         "visp": "3.5.0", "bullet": "3.24", "opencv": "4.6.0", "kdl": None}
     assert found["numpy"] == found["matplotlib"] == "unknown"

@@ -51,13 +51,9 @@ class Protocol:
     name, title, source, metric, published_starts, takes = "", "", "", "success", 0, ()
 
     def cases(self, folder: Path, count: int, **own: Any) -> List[Case]:
-        """The cases, list of `Case`.
+        """Returns the cases, with `count` starts each. Files that they need are written to `folder`.
 
-        Args:
-            folder: where files that the cases need are written (Path).  count: starts of each case, at most
-            published_starts; fewer are spread evenly over those of the protocol.
-            own: of the user's, by the names in `takes`; what is missing or None is ours.
-        Raises ParameterError.
+        Args: own: of the user's, by the names in `takes`; what is missing or None is ours.
         """
         raise NotImplementedError
 
@@ -65,7 +61,6 @@ class Protocol:
         """Returns the cases with `changes` (dotted path -> value) in their scenarios; the starts stay the same.
 
         A protocol that compares laws overrides this, and takes `servo.law` as the only law to run.
-        Raises ParameterError: a scenario cannot have these values.
         """
         columns = {"law": changes["servo.law"]} if "servo.law" in changes else {}
         return [replace(case, scenario=case.scenario.with_overrides(changes), columns={**case.columns, **columns})
@@ -102,22 +97,36 @@ def protocol_named(name: str) -> Protocol:
     return PROTOCOLS.find(name)()
 
 
+def check_count(count: int, most: int) -> None:
+    """Raises ParameterError: a protocol does not have that many starts."""
+    if not 1 <= count <= most:
+        raise ParameterError(f"starts: found {count}, allowed 1 to {most}")
+
+
 def spread(count: int, total: int) -> List[int]:
     """Returns `count` of `total` indices, as evenly as possible, both ends included. Raises ParameterError."""
-    if not 1 <= count <= total:
-        raise ParameterError(f"starts: found {count}, allowed 1 to {total}")
+    check_count(count, total)
     return [0] if count == 1 else [round(i * (total - 1) / (count - 1)) for i in range(count)]
 
 
-def halton(count: int, bases: Sequence[int]) -> np.ndarray:
-    """Returns a Halton sequence without its first point, which covers the unit cube evenly, (count, len(bases))."""
-    return np.array([[_mirrored(i, base) for base in bases] for i in range(1, count + 1)])
+def halton(count: int) -> np.ndarray:
+    """Returns a Halton sequence without its first point, which covers the unit square evenly, (count, 2)."""
+    from scipy.stats import qmc  # slow to import
+    return qmc.Halton(2, scramble=False).fast_forward(1).random(count)
 
 
-def _mirrored(number, base):
-    """Digits of a number to a base, mirrored at the point."""
-    value, place = 0.0, 1.0 / base
-    while number:
-        number, digit = divmod(number, base)
-        value, place = value + digit * place, place / base
-    return value
+def success_map(rows: List[Dict[str, Any]], axes: Tuple[str, str],
+                edges: Sequence[np.ndarray]) -> Tuple[np.ndarray, np.ndarray]:
+    """Returns (runs, successes) by cell of two columns of the rows, (nx, ny) each; `edges` are those of the cells."""
+    places = [np.clip(np.array([row[axis] for row in rows], dtype=float), edge[0], edge[-1])
+              for axis, edge in zip(axes, edges)]
+    won = [row["success"] == 1 for row in rows]
+    return (np.histogram2d(*places, bins=edges)[0].astype(int),
+            np.histogram2d(*places, bins=edges, weights=won)[0].astype(int))
+
+
+def with_picture(scenario: Scenario, path: Path) -> Scenario:
+    """Returns the scenario with another picture, a file, on each of its flat models."""
+    models = [{**model, "image": {**model["image"], "file": str(path.resolve())}}
+              for model in scenario.sim["scene"]["models"]]
+    return scenario.with_overrides({"sim.scene.models": models})

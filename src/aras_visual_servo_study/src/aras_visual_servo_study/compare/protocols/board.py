@@ -10,6 +10,7 @@ from aras_visual_servo import ParameterError
 #: Size of a board's picture [px]: a pixel is 0.53 mm of a board of 0.8 m.
 WIDTH, HEIGHT = 1500, 1125
 SHAPES = 900
+Points = Sequence[Sequence[float]]
 
 
 def draw(seed: Union[int, Sequence[int]], size_px: Tuple[int, int] = (WIDTH, HEIGHT), shapes: int = SHAPES,
@@ -99,21 +100,34 @@ def asked_for(file: Optional[str], seed: int) -> np.ndarray:
         raise ParameterError(f"--board: found {file}, allowed the file of a picture: {error}") from error
 
 
+def saved(folder: Path, file: Optional[str], seed: int) -> Path:
+    """FOLDER/board.png with what is `asked_for`; a file that is there is taken."""
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / "board.png"
+    if not path.exists():
+        save(path, asked_for(file, seed))
+    return path
+
+
 def save_mesh(path: Path, draw_picture: Callable[[], np.ndarray], size_m: Tuple[float, float]) -> Path:
-    """Write a rectangle that bears a picture, PATH.obj with PATH.mtl and PATH.png; files that are there are taken.
+    """Writes a rectangle of a size (width, height) with a picture as a mesh; a file that is there is taken.
 
     A mesh answers light and shadows, which a flat model of a scene does not.
-    Args: draw_picture: gives the picture where it has to be written.  size_m: width and height.
-    Returns: the path of the mesh.
     """
-    mesh, name = path.with_suffix(".obj"), path.name
-    if not mesh.exists():
-        save(path.with_suffix(".png"), draw_picture())
-        material = f"newmtl picture\nKa 1 1 1\nKd 1 1 1\nmap_Kd {name}.png\n"
-        path.with_suffix(".mtl").write_text(material, encoding="utf-8")
+    if not path.with_suffix(".obj").exists():
         x, y = 0.5 * size_m[0], 0.5 * size_m[1]
-        corners = [f"v {u:.6g} {v:.6g} 0" for u, v in ((-x, -y), (x, -y), (x, y), (-x, y))]
-        lines = [f"mtllib {name}.mtl", *corners, "vt 0 0", "vt 1 0", "vt 1 1", "vt 0 1", "vn 0 0 1", "usemtl picture",
-                 "f 1/1/1 2/2/1 3/3/1", "f 1/1/1 3/3/1 4/4/1", ""]
-        mesh.write_text("\n".join(lines), encoding="utf-8")
-    return mesh.resolve()
+        write_obj(path, draw_picture(), ((-x, -y, 0), (x, -y, 0), (x, y, 0), (-x, y, 0)),
+                  ((0, 0), (1, 0), (1, 1), (0, 1)), ((0, 0, 1),), ((1, 2, 3, 1), (1, 3, 4, 1)))
+    return path.with_suffix(".obj").resolve()
+
+
+def write_obj(path: Path, picture: np.ndarray, vertices: Points, coordinates: Points, normals: Points,
+              faces: Sequence[Tuple[int, int, int, int]]) -> None:
+    """Writes PATH.obj with PATH.mtl and PATH.png. A face is three vertices and a normal, all counted from 1."""
+    save(path.with_suffix(".png"), picture)
+    material = f"newmtl picture\nKa 1 1 1\nKd 1 1 1\nmap_Kd {path.name}.png\n"
+    path.with_suffix(".mtl").write_text(material, encoding="utf-8")
+    lines = [f"mtllib {path.name}.mtl", *("v %.6g %.6g %.6g" % tuple(v) for v in vertices),
+             *("vt %.6g %.6g" % tuple(c) for c in coordinates), *("vn %.6g %.6g %.6g" % tuple(n) for n in normals),
+             "usemtl picture", *(f"f {a}/{a}/{n} {b}/{b}/{n} {c}/{c}/{n}" for a, b, c, n in faces), ""]
+    path.with_suffix(".obj").write_text("\n".join(lines), encoding="utf-8")

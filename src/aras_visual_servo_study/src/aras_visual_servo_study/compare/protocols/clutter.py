@@ -1,5 +1,6 @@
 """Protocol `clutter`: targets among distractors, half covered, under moving shadows and changing light."""
 
+import json
 import math
 from pathlib import Path
 from typing import Any, Dict, List, Optional, Tuple, Union
@@ -7,10 +8,10 @@ from typing import Any, Dict, List, Optional, Tuple, Union
 import numpy as np
 import yaml
 
-from aras_visual_servo import ParameterError, Scenario, load_scenario, load_yaml, resolve_uri, scenario_from_dict
+from aras_visual_servo import Scenario, load_scenario, load_yaml, resolve_uri, scenario_from_dict
 from ...sweep.plan import Start, SweepSettings, make_starts
 from . import board as boards
-from .base import Case, Protocol, register_protocol
+from .base import Case, Protocol, check_count, register_protocol
 from .vit_vs import GOAL_M
 
 STARTS, SEED, BOARD_SEED = 200, 16, 1
@@ -60,8 +61,7 @@ class Clutter(Protocol):
     metric, published_starts, takes = "success", STARTS, ("board",)
 
     def cases(self, folder: Path, count: int, board: Optional[str] = None) -> List[Case]:
-        if not 1 <= count <= STARTS:
-            raise ParameterError(f"starts: found {count}, allowed 1 to {STARTS}")
+        check_count(count, STARTS)
         folder.mkdir(parents=True, exist_ok=True)
         textured = boards.save_mesh(folder / "board", lambda: boards.asked_for(board, BOARD_SEED), BOARD_M)
         sign = boards.save_mesh(folder / "sign", _sign, BOARD_M)
@@ -116,32 +116,18 @@ def _saved(folder, condition, number):
     path = folder / f"{condition}_{number}.yaml"
     if not path.exists():
         rng = np.random.default_rng([SEED, CONDITIONS.index(condition), number])
-        path.write_text(yaml.safe_dump(_plain(clutter(condition, rng))), encoding="utf-8")
+        # Through JSON, since YAML cannot write numpy's numbers.
+        plain = json.loads(json.dumps(clutter(condition, rng), default=np.generic.item))
+        path.write_text(yaml.safe_dump(plain), encoding="utf-8")
     return path.resolve()
-
-
-def _plain(value):
-    """The same of Python's own types, which YAML can write."""
-    if isinstance(value, dict):
-        return {key: _plain(one) for key, one in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_plain(one) for one in value]
-    return value.item() if isinstance(value, np.generic) else value
 
 
 def clutter(condition: str, rng: np.random.Generator) -> Dict[str, List[Dict[str, Any]]]:
     """{"solids": [...], "lights": [...]} of a condition, entries as in the section `sim.scene`."""
-    solids, lights = [], []
-    if condition in ("distractors", "all"):
-        solids += distractors(rng)
-    if condition in ("covered", "all"):
-        solids += cover(rng)
-    if condition in ("shadows", "all"):
-        solids += passers(rng)
-    if condition in ("light", "all"):
-        more, lights = moving_light(rng)
-        solids += more
-    return {"solids": solids, "lights": lights}
+    makers = {"distractors": distractors, "covered": cover, "shadows": passers}
+    solids = [solid for name, make in makers.items() if condition in (name, "all") for solid in make(rng)]
+    carriers, lights = moving_light(rng) if condition in ("light", "all") else ([], [])
+    return {"solids": solids + carriers, "lights": lights}
 
 
 def distractors(rng: np.random.Generator) -> List[Dict[str, Any]]:

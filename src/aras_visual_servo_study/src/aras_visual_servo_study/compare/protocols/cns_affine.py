@@ -8,8 +8,9 @@ import numpy as np
 
 from aras_visual_servo import Scenario, load_scenario, spatial
 from ...sweep.plan import Start
+from ...sweep.space import transform
 from . import board as boards
-from .base import Case, Protocol, register_protocol, spread
+from .base import Case, Protocol, register_protocol, spread, with_picture
 
 SEED, STARTS = 2023, 150
 #: Distance from the picture's middle [m], angle above the picture [deg], and largest turns about z, y, x [deg].
@@ -34,16 +35,10 @@ class CnsAffine(Protocol):
     metric, published_starts, takes = "cns", STARTS, ("board",)
 
     def cases(self, folder: Path, count: int, board: Optional[str] = None) -> List[Case]:
-        folder.mkdir(parents=True, exist_ok=True)
-        path = folder / "board.png"
-        if not path.exists():
-            boards.save(path, boards.asked_for(board, BOARD_SEED))
+        path = boards.saved(folder, board, BOARD_SEED)
         cases = []
         for detector in DETECTORS:
-            scenario = load_scenario("cns_affine", {"vision.matches": {"detector": detector}})
-            models = [dict(model, image=dict(model["image"], file=str(path.resolve())))
-                      for model in scenario.sim["scene"]["models"]]
-            scenario = scenario.with_overrides({"sim.scene.models": models})
+            scenario = with_picture(load_scenario("cns_affine", {"vision.matches": {"detector": detector}}), path)
             cases.append(Case(detector, scenario, planned(scenario, count), {"detector": detector.upper()}))
         return cases
 
@@ -116,6 +111,4 @@ def drawn(rng: np.random.RandomState, distance_m: Tuple[float, float], above_deg
     R = np.stack([np.cross(y, -place), y, -place], axis=1)
     for axis, most in zip(np.eye(3)[::-1], turns_deg):
         R = R @ spatial.rotation(axis * math.radians(rng.uniform(-most, most)))
-    X = np.eye(4)
-    X[:3, :3], X[:3, 3] = R, distance * place
-    return X
+    return transform(R, distance * place)

@@ -11,8 +11,7 @@ from ...sweep.plan import Start
 from aras_visual_servo import Scenario, load_scenario
 from .base import Case, Protocol, register_protocol, spread
 from .cns_affine import apart, drawn, starts_of
-from .props import save_props
-from .settled import SCENES, load_scenes, meshes_in, settle
+from .settled import SCENES, load_scenes, meshes_in, save_props, settle
 
 #: Distance from the middle of the table [m], angle above it [deg], largest turns about z, y, x [deg]: of both poses.
 DISTANCE_M, ABOVE_DEG, TURNS_DEG = (0.5, 0.9), (70.0, 90.0), (15.0, 5.0, 5.0)

@@ -6,9 +6,9 @@ from typing import Any, Dict, List, Tuple
 
 import numpy as np
 
-from aras_visual_servo import ParameterError, Scenario, load_scenario
+from aras_visual_servo import Scenario, load_scenario
 from ...sweep.plan import Start, SweepSettings, make_starts
-from .base import Case, Protocol, halton, register_protocol
+from .base import Case, Protocol, check_count, halton, register_protocol, success_map
 
 STARTS, MOST_S, SEED = 10_000, 0.5, 0
 _PATIENT = {"servo.input_timeout_s": 1.0}  # images may be so old
@@ -53,19 +53,19 @@ class Latency(Protocol):
 
     def save_pictures(self, results: List[Tuple[Case, List[Dict[str, Any]]]], folder: Path) -> List[Path]:
         axes = f"p_{IMAGE}", f"p_{COMMAND}"
-        return [save_map(folder / f"{case.name}_map", rows, axes, MOST_S, _gain(case.scenario),
+        # The loop of the feature with the largest gain is the first to swing.
+        return [save_map(folder / f"{case.name}_map", rows, axes, max(case.scenario.servo["gains_per_s"].values()),
                          case.scenario.sim["cameras"][0]["rate_hz"]) for case, rows in results]
 
 
 def delays(count: int) -> np.ndarray:
     """(count, 2) delays of image and command [s]: a Halton sequence."""
-    return MOST_S * halton(count, (2, 3))
+    return MOST_S * halton(count)
 
 
 def planned(scenario: Scenario, count: int) -> List[Start]:
     """The first `count` runs, list of `Start`; a start that cannot be tried gives its place to the next one."""
-    if not 1 <= count <= STARTS:
-        raise ParameterError(f"starts: found {count}, allowed 1 to {STARTS}")
+    check_count(count, STARTS)
     kinematics = scenario.kinematics(calibrated=False)
     drawn, found = 16 + count + count // 2, []
     while len(found) < count:
@@ -76,19 +76,12 @@ def planned(scenario: Scenario, count: int) -> List[Start]:
             for i, (start, (image_s, command_s)) in enumerate(zip(found, delays(count)))]
 
 
-def _gain(scenario):
-    """The largest gain of the scenario [1/s]: the loop of its feature is the first to swing."""
-    return max(scenario.servo["gains_per_s"].values())
-
-
 def cells(rows: List[Dict[str, Any]], axes: Tuple[str, str], most_s: float) -> Tuple[np.ndarray, np.ndarray]:
     """(rate, edges): success rate by [image delay, command delay], (n, n), NaN without a run; edges (n + 1,) [s]."""
     n = int(np.clip(math.sqrt(len(rows) / RUNS_PER_CELL), 2, MOST_CELLS))
     edges = np.linspace(0.0, most_s, n + 1)
-    x, y = (np.array([row[axis] for row in rows], dtype=float) for axis in axes)
-    runs, _, _ = np.histogram2d(x, y, bins=(edges, edges))
-    won, _, _ = np.histogram2d(x, y, bins=(edges, edges), weights=[float(row["success"] == 1) for row in rows])
-    return np.divide(won, runs, out=np.full_like(won, np.nan), where=runs > 0), edges
+    runs, won = success_map(rows, axes, (edges, edges))
+    return np.divide(won, runs, out=np.full(runs.shape, np.nan), where=runs > 0), edges
 
 
 def border_s(gain_per_s: float, rate_hz: float) -> float:
@@ -100,17 +93,13 @@ def border_s(gain_per_s: float, rate_hz: float) -> float:
     return 0.5 * math.pi / gain_per_s - 0.5 / rate_hz
 
 
-def save_map(path: Path, rows: List[Dict[str, Any]], axes: Tuple[str, str], most_s: float, gain_per_s: float,
-             rate_hz: float) -> Path:
-    """Draw PATH.png and PATH.pdf. Returns the path of the first.
-
-    Args: rows: of the runs.  axes: columns of the delays of image and command [s].  most_s: the longest one.
-    """
+def save_map(path: Path, rows: List[Dict[str, Any]], axes: Tuple[str, str], gain_per_s: float, rate_hz: float) -> Path:
+    """Draws PATH.png and PATH.pdf. Returns the path of the first. axes: columns of the delays of image and command."""
     import matplotlib  # slow to import
     from matplotlib.figure import Figure
 
     from ...report.figure import STYLE, save_both
-    rate, edges = cells(rows, axes, most_s)
+    rate, edges = cells(rows, axes, MOST_S)
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(5.4, 4.4), constrained_layout=True)
         panel = figure.add_subplot()
@@ -121,7 +110,7 @@ def save_map(path: Path, rows: List[Dict[str, Any]], axes: Tuple[str, str], most
         sum_ms = 1e3 * border_s(gain_per_s, rate_hz)
         panel.plot([0.0, sum_ms], [sum_ms, 0.0], color="black", linestyle="--", linewidth=1.2,
                    label=f"gain {gain_per_s:g}/s, delays together {sum_ms:.0f} ms: π/2")
-        panel.set(xlim=(0.0, 1e3 * most_s), ylim=(0.0, 1e3 * most_s), xlabel="delay of images [ms]",
+        panel.set(xlim=(0.0, 1e3 * MOST_S), ylim=(0.0, 1e3 * MOST_S), xlabel="delay of images [ms]",
                   ylabel="delay of commands [ms]")
         panel.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2)
     save_both(figure, path, 150)

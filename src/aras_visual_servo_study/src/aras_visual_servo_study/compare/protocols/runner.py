@@ -1,18 +1,19 @@
 """Runs a protocol: each case is a sweep of its own, so that a benchmark is resumed, spread over the cores and rerun as
 a sweep is. Then the table: successes with Wilson's interval beside what is published."""
 
-import csv
 import hashlib
 import io
-import math
+import statistics
 import sys
 from pathlib import Path
 from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
 from aras_visual_servo import ParameterError
+from ...report.report import write_whole
 from ...report.versions import installed_versions
 from ...sweep.engine import Progress, open_sweep, run_pending
 from ...sweep.statistics import wilson
+from ...sweep.store import csv_text
 from .base import Case, Protocol
 
 #: Each case with its rows.
@@ -97,10 +98,14 @@ def total(lines: Sequence[Sequence[str]]) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
+def markdown_table(lines: Sequence[Sequence[str]]) -> str:
+    """A table in Markdown, the headings first."""
+    return "".join("| " + " | ".join(line) + " |\n" for line in [lines[0], ["---"] * len(lines[0]), *lines[1:]])
+
+
 def as_markdown(protocol: Protocol, lines: Sequence[Sequence[str]], command: str) -> str:
     """The table, its source and the line that repeats it, as text."""
-    body = [lines[0], ["---"] * len(lines[0]), *lines[1:]]
-    return "\n".join([f"# {protocol.title}", "", *("| " + " | ".join(line) + " |" for line in body), "",
+    return "\n".join([f"# {protocol.title}", "", markdown_table(lines),
                       f"Success as metric `{protocol.metric}` has it. Source: {protocol.source}.", "",
                       f"Hash of the whole table: {total(lines)[:16]}",
                       *(["", f"Repeat it: `{command}`"] if command else [])]) + "\n"
@@ -108,12 +113,8 @@ def as_markdown(protocol: Protocol, lines: Sequence[Sequence[str]], command: str
 
 def save_table(protocol: Protocol, lines: Sequence[Sequence[str]], folder: Path, command: str) -> Path:
     """Write benchmark.md and benchmark.csv. Returns the path of the first."""
-    stream = io.StringIO()
-    csv.writer(stream, lineterminator="\n").writerows(lines)
-    (folder / "benchmark.csv").write_text(stream.getvalue(), encoding="utf-8")
-    path = folder / "benchmark.md"
-    path.write_text(as_markdown(protocol, lines, command), encoding="utf-8")
-    return path
+    write_whole(folder / "benchmark.csv", csv_text(lines[0], lines[1:]))
+    return write_whole(folder / "benchmark.md", as_markdown(protocol, lines, command))
 
 
 def _broken(rows):
@@ -127,5 +128,4 @@ def _percent(rate):
 
 
 def _median(rows, column):
-    values = sorted(row[column] for row in rows)
-    return f"{0.5 * (values[(len(values) - 1) // 2] + values[len(values) // 2]):.3g}" if values else f"{math.nan}"
+    return f"{statistics.median(row[column] for row in rows):.3g}" if rows else "nan"

@@ -9,7 +9,7 @@ import numpy as np
 from aras_visual_servo import Scenario, load_scenario
 from ...sweep.plan import Start
 from . import board as boards
-from .base import Case, Protocol, register_protocol, spread
+from .base import Case, Protocol, register_protocol, spread, with_picture
 
 DETECTORS, CONDITIONS = ("orb", "akaze", "sift"), ("plain", "perturbed")
 SEED, STARTS, CIRCLES, RADIUS_M, ROLL_RAD = 41, 500, 4, 0.08, math.radians(120.0)
@@ -41,10 +41,7 @@ class VitVs(Protocol):
         cases = []
         for condition in CONDITIONS:
             for detector in DETECTORS:
-                scenario = load_scenario("vit_vs", {"vision.matches": {"detector": detector}})
-                models = [dict(model, image=dict(model["image"], file=str(picture)))
-                          for model in scenario.sim["scene"]["models"]]
-                scenario = scenario.with_overrides({"sim.scene.models": models})
+                scenario = with_picture(load_scenario("vit_vs", {"vision.matches": {"detector": detector}}), picture)
                 starts = planned(scenario, count)
                 if condition == "perturbed":
                     starts = [Start(start.id, start.joints, start.offset, {"picture": str(perturbed[start.id])})
@@ -78,13 +75,6 @@ def camera_poses(count: int = STARTS) -> np.ndarray:
     return poses[spread(count, STARTS)]
 
 
-def goal_pose() -> np.ndarray:
-    """X_WCg, (4, 4): 0.6 m above the board, the optical axis down."""
-    X = np.eye(4)
-    X[:3, :3], X[:3, 3] = np.array([[0.0, -1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, -1.0]]), GOAL_M
-    return X
-
-
 def planned(scenario: Scenario, count: int) -> List[Start]:
     """The starts, list of `Start`; their id is that of the protocol, from 1 to 500."""
     kinematics = scenario.kinematics(calibrated=False)
@@ -99,13 +89,10 @@ def _about_z(angle):
 
 def _pictures(folder, board, indices):
     """(path of the board, {id of a start: path of its perturbed copy}); files that are there already are taken."""
-    folder.mkdir(parents=True, exist_ok=True)
-    path = folder / "board.png"
-    if not path.exists():
-        boards.save(path, boards.asked_for(board, BOARD_SEED))
+    path = boards.saved(folder, board, BOARD_SEED)
     picture, copies = boards.load(path), {}
     for index in indices:
         copies[index + 1] = copy = folder / f"board_{index + 1}.png"
         if not copy.exists():
             boards.save(copy, boards.perturbed(picture, [PERTURBED_SEED, index + 1]))
-    return path.resolve(), {key: copy.resolve() for key, copy in copies.items()}
+    return path, {key: copy.resolve() for key, copy in copies.items()}

@@ -13,6 +13,15 @@ REACH = 1.4
 MARGIN = 1.75    # distance of the observer, as a multiple of the height of what it looks at
 
 
+def middle(path: np.ndarray) -> np.ndarray:
+    """Mean of the points (n, 3) that are known [m], a metre above the origin where none is.
+
+    A pose read from a bag was a quaternion and differs in its last digits. Rounded, it gives the same picture.
+    """
+    known = path[np.isfinite(path).all(axis=1)]
+    return np.round(known.mean(axis=0), 4) if len(known) else np.array([0.0, 0.0, 1.0])
+
+
 def standpoint(at_C: np.ndarray, at_T: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
     """(eye, look_at), (3,) each, world [m]: far enough to see from the target up to the arm above the camera."""
     height = max(abs(at_C[2] - at_T[2]) * (1.0 + REACH), 0.5)
@@ -23,13 +32,9 @@ def standpoint(at_C: np.ndarray, at_T: np.ndarray) -> Tuple[np.ndarray, np.ndarr
 
 
 def project(xy: np.ndarray, camera_info: Dict[str, Any]) -> np.ndarray:
-    """Pixels (n, 2) of normalised image coordinates (n, 2) of a camera; NaN stays NaN.
+    """Pixels (n, 2) of normalised image coordinates (n, 2) of a camera, of any distortion model; NaN stays NaN.
 
-    Args:
-        camera_info: dict as `Simulation.camera_info`: K, D, distortion_model (plumb_bob, rational_polynomial,
-            equidistant, none).
-    Raises:
-        ParameterError: there is no camera_info.
+    Args: camera_info: dict as `Simulation.camera_info`.  Raises: ParameterError: there is none.
     """
     if not camera_info:
         raise ParameterError("the record has no camera_info (record the group features)")

@@ -11,9 +11,8 @@ CNS_PART, CNS_DEG = 0.1, 10.0
                  threshold=f"below {100 * CNS_PART:g} % of the goal's distance from the origin and below {CNS_DEG:g}°",
                  source="Chen et al., CNS, ICRA 2024")
 def cns(outcome: Outcome) -> Optional[bool]:
-    """Less than 10 % of the goal's distance from the origin of the scene, and less than 10 degrees are left.
+    """How far away the camera began does not matter; None without a target.
 
-    The origin is that of the target's frame; how far away the camera began does not matter. None without a target.
     Source: A. Chen, H. Yu, Y. Wang, R. Xiong, "CNS: Correspondence encoded neural image servo policy", ICRA 2024.
     """
     if outcome.goal_distance_mm is None:

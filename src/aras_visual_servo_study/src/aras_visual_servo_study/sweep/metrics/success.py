@@ -1,8 +1,8 @@
-"""Metric `success`: the camera came home, this project's own. It decides the outcome of a run."""
+"""This project's own metrics. `success`, the camera came home, decides the outcome of a run; `strict`: exactly."""
 
 from .base import Outcome, register_metric
-from .strict import STRICT_MM
 
+STRICT_MM, STRICT_DEG = 1.0, 0.3
 SUCCESS_PART, SUCCESS_DEG = 0.1, 10.0
 
 
@@ -11,10 +11,13 @@ SUCCESS_PART, SUCCESS_DEG = 0.1, 10.0
                            f"{SUCCESS_DEG:g}°",
                  source="this project")
 def success(outcome: Outcome) -> bool:
-    """Less than 10 % of the initial distance is left, or less than 1 mm, and less than 10 degrees.
-
-    The millimetre is for starts that are only turned and have no distance. Source: this project; the published metrics
-    it resembles are `cns` and `vit_vs`.
-    """
+    """The millimetre is for starts that are only turned. Source: this project; it resembles `cns` and `vit_vs`."""
     near_mm = max(SUCCESS_PART * outcome.distance0_mm, STRICT_MM)
     return outcome.error_mm < near_mm and outcome.angle_deg < SUCCESS_DEG
+
+
+@register_metric("strict", label="strict", threshold=f"below {STRICT_MM:g} mm and {STRICT_DEG:g}°",
+                 source="this project")
+def strict(outcome: Outcome) -> bool:
+    """The camera is at the goal as exactly as one could use it. Source: this project."""
+    return outcome.error_mm < STRICT_MM and outcome.angle_deg < STRICT_DEG

@@ -13,9 +13,8 @@ LEAST_MM, LEAST_DEG = 0.1, 0.1
                  threshold=f"below {100 * VIT_VS_PART:g} % of the initial distance and of the initial angle",
                  source="Scherl et al., ViT-VS, 2025")
 def vit_vs(outcome: Outcome) -> Optional[bool]:
-    """Less than 10 % of the initial translation and less than 10 % of the initial rotation are left.
+    """None for a start that is hardly displaced or hardly turned.
 
-    None for a start that is displaced by less than 0.1 mm or turned by less than 0.1 degrees.
     Source: A. Scherl, S. Thalhammer, B. Neuberger, W. Woeber, J. Garcia-Rodriguez, "ViT-VS: On the applicability of
     pretrained vision transformer features for generalizable visual servoing", 2025.
     """

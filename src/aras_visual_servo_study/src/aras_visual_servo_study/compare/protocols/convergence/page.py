@@ -1,18 +1,74 @@
-"""The page of the protocol `map`: every map side by side, sets of features down and laws across."""
+"""The page of the protocol `map`: every map side by side, sets of features down and laws across, and what can be
+promised of its cells."""
 
 import base64
 import math
 from pathlib import Path
 from typing import Any, Dict, Iterator, List, NamedTuple, Tuple
 
+import numpy as np
+
 from ....report.template import render
 from ....report.versions import installed_versions
 from ....sweep.statistics import wilson
-from ..base import Case
-from ..runner import digest
-from .cells import Certificate, Map, certificate, map_of
+from ..base import Case, success_map
+from ..runner import digest, markdown_table
+from .starts import MOST_M, MOST_RAD
 
+#: Runs in a cell, about, and the most cells along an axis.
+RUNS_PER_CELL, MOST_CELLS = 6, 8
 PAGE, PICTURE, TABLE = "map.html", "map.png", "map.md"
+
+
+class Map(NamedTuple):
+    """Runs and successes by [distance, angle], (n, n) whole numbers, and the edges (n + 1,) [m], [rad]."""
+
+    runs: np.ndarray
+    won: np.ndarray
+    edges_m: np.ndarray
+    edges_rad: np.ndarray
+
+    def interval(self, i: int, j: int) -> Tuple[float, float]:
+        """Wilson's 95 % interval of the rate in a cell, (low, high)."""
+        return wilson(int(self.won[i, j]), int(self.runs[i, j]))
+
+
+class Certificate(NamedTuple):
+    """A box of starts about the goal from which every run arrived.
+
+    Attributes: distance_m, angle_rad: its ends; 0 where there is none.  runs: in it.  least: lower bound of the rate.
+    """
+
+    distance_m: float
+    angle_rad: float
+    runs: int
+    least: float
+
+    def words(self) -> str:
+        """As text, "" where there is none."""
+        if not self.runs:
+            return ""
+        return (f"{self.distance_m:.2g} m, {math.degrees(self.angle_rad):.0f}°: {self.runs} of {self.runs}, "
+                f"> {100.0 * self.least:.0f} %")
+
+
+def map_of(rows: List[Dict[str, Any]]) -> Map:
+    """`Map` of the rows of a case, with about RUNS_PER_CELL runs in a cell."""
+    n = int(np.clip(math.sqrt(len(rows) / RUNS_PER_CELL), 1, MOST_CELLS))
+    edges_m, edges_rad = np.linspace(0.0, MOST_M, n + 1), np.linspace(0.0, MOST_RAD, n + 1)
+    runs, won = success_map(rows, ("distance0_mm", "angle0_deg"), (1e3 * edges_m, np.degrees(edges_rad)))
+    return Map(runs, won, edges_m, edges_rad)
+
+
+def certificate(found: Map) -> Certificate:
+    """`Certificate` of a `Map`: of the boxes in which every run succeeded that with most runs."""
+    runs, won = (np.cumsum(np.cumsum(part, axis=0), axis=1) for part in (found.runs, found.won))
+    whole = np.where(runs == won, runs, 0)
+    i, j = np.unravel_index(int(np.argmax(whole)), whole.shape)
+    count = int(whole[i, j])
+    if not count:
+        return Certificate(0.0, 0.0, 0, 0.0)
+    return Certificate(float(found.edges_m[i + 1]), float(found.edges_rad[j + 1]), count, wilson(count, count)[0])
 
 
 class Entry(NamedTuple):
@@ -76,11 +132,8 @@ def save(results: List[Tuple[Case, List[Dict[str, Any]]]], left_out: List[Tuple[
 def as_markdown(made: List[Entry]) -> str:
     """The success rates in percent with their intervals as a table, sets of features down and laws across."""
     laws, sets, places = _layout(made)
-    lines = [["features", *(f"`{law}`" for law in laws)], ["---"] * (len(laws) + 1)]
-    for label in sets:
-        found = [places.get((law, label)) for law in laws]
-        lines.append([label, *(one.rate() if one else "" for one in found)])
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines) + "\n"
+    return markdown_table([["features", *(f"`{law}`" for law in laws)], *(
+        [label, *(places[law, label].rate() if (law, label) in places else "" for law in laws)] for label in sets)])
 
 
 def _layout(made):
@@ -91,7 +144,6 @@ def _layout(made):
 
 def _save_picture(made, path):
     import matplotlib  # slow to import
-    import numpy as np
     from matplotlib.figure import Figure
 
     from ....report.figure import STYLE

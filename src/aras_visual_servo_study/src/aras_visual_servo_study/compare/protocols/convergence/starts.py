@@ -29,7 +29,7 @@ def planned(scenario: Scenario, count: int) -> List[Start]:
     kinematics = scenario.kinematics(calibrated=False)
     X_WCg, outline = kinematics.pose(scenario.goal_posture(kinematics)), _rectangle(scenario)
     starts = []
-    for number, (a, b) in enumerate(halton(count, (2, 3)), start=1):
+    for number, (a, b) in enumerate(halton(count), start=1):
         X_CgC = _seeing(outline, X_WCg, MOST_M * a, MOST_RAD * b, np.random.default_rng([SEED, number]))
         joints = kinematics.by_name(kinematics.coordinates(X_WCg @ X_CgC))  # type: ignore[attr-defined]
         starts.append(Start(number, joints, offset_of(X_CgC)))
