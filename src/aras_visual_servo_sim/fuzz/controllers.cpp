@@ -1,8 +1,8 @@
 // The reader of controllers: ros_control's YAML, read at the start and as a controller is loaded while time goes on.
 #include <aras_visual_servo_common/files.hpp>
 
-#include "aras_visual_servo_sim/physics/joint_state_config.hpp"
 #include "aras_visual_servo_sim/physics/managed/controller.hpp"
+#include "aras_visual_servo_sim/physics/managed/joint_state_controller.hpp"
 #include "aras_visual_servo_sim/robot/joint_limits_reader.hpp"
 #include "small_simulation.hpp"
 #include "target.hpp"

@@ -42,13 +42,9 @@ py::list loadedControllers(const Robot& robot) {
   for (const auto& entry : robot.body().controllers().entries()) {
     Names joints;
     for (const ControllerConfig& drive : entry.controller->drives()) joints.push_back(drive.joint);
-    py::dict one;
-    one["name"] = entry.controller->name();
-    one["type"] = entry.controller->type();
-    one["state"] = entry.state();
-    one["hardware_interface"] = entry.controller->hardwareInterface();
-    one["joints"] = joints;
-    list.append(one);
+    list.append(py::dict("name"_a = entry.controller->name(), "type"_a = entry.controller->type(),
+                         "state"_a = entry.state(), "hardware_interface"_a = entry.controller->hardwareInterface(),
+                         "joints"_a = joints));
   }
   return list;
 }
@@ -94,37 +90,14 @@ void cancelGoal(Robot& robot, const std::string& name) {
 }
 
 const char* word(GoalState state) {
-  switch (state) {
-    case GoalState::kActive:
-      return "active";
-    case GoalState::kSucceeded:
-      return "succeeded";
-    case GoalState::kPathViolated:
-      return "path_tolerance_violated";
-    case GoalState::kGoalViolated:
-      return "goal_tolerance_violated";
-    case GoalState::kPreempted:
-      return "preempted";
-    case GoalState::kNone:
-      break;
-  }
-  return "none";
+  constexpr const char* kWords[] = {
+      "none", "active", "succeeded", "path_tolerance_violated", "goal_tolerance_violated", "preempted"};
+  return kWords[static_cast<int>(state)];
 }
 
 const char* word(GripperController::State state) {
-  switch (state) {
-    case GripperController::State::kActive:
-      return "active";
-    case GripperController::State::kReached:
-      return "reached";
-    case GripperController::State::kStalled:
-      return "stalled";
-    case GripperController::State::kPreempted:
-      return "preempted";
-    case GripperController::State::kNone:
-      break;
-  }
-  return "none";
+  constexpr const char* kWords[] = {"none", "active", "reached", "stalled", "preempted"};
+  return kWords[static_cast<int>(state)];
 }
 
 Eigen::MatrixX3d rows(const std::vector<TrajectoryState>& states) {
@@ -143,29 +116,19 @@ py::dict trajectoryReport(const Robot& robot, const std::string& name) {
     actual.push_back(joint.actual);
     error.push_back(joint.error);
   }
-  py::dict report;
-  report["joints"] = controller.joints();
-  report["desired"] = rows(desired);
-  report["actual"] = rows(actual);
-  report["error"] = rows(error);
-  report["goal"] = word(controller.goalState());
-  report["goal_error"] = controller.goalError();
-  report["goals"] = controller.goals();
-  report["state_rate_hz"] = controller.settings().state_rate_hz;
-  report["monitor_rate_hz"] = controller.settings().monitor_rate_hz;
-  report["partial_joints"] = controller.settings().partial_joints;
-  return report;
+  return py::dict("joints"_a = controller.joints(), "desired"_a = rows(desired), "actual"_a = rows(actual),
+                  "error"_a = rows(error), "goal"_a = word(controller.goalState()),
+                  "goal_error"_a = controller.goalError(), "goals"_a = controller.goals(),
+                  "state_rate_hz"_a = controller.settings().state_rate_hz,
+                  "monitor_rate_hz"_a = controller.settings().monitor_rate_hz,
+                  "partial_joints"_a = controller.settings().partial_joints);
 }
 
 py::dict gripperReport(const Robot& robot, const std::string& name) {
   const auto& controller = loaded<GripperController>(robot, name);
-  py::dict report;
-  report["goal"] = word(controller.state());
-  report["goals"] = controller.goals();
-  report["position"] = controller.joint().position;
-  report["effort"] = controller.joint().effort;
-  report["monitor_rate_hz"] = controller.settings().monitor_rate_hz;
-  return report;
+  return py::dict("goal"_a = word(controller.state()), "goals"_a = controller.goals(),
+                  "position"_a = controller.joint().position, "effort"_a = controller.joint().effort,
+                  "monitor_rate_hz"_a = controller.settings().monitor_rate_hz);
 }
 
 py::dict jointStateSettings(const Robot& robot, const std::string& name) {
@@ -174,10 +137,7 @@ py::dict jointStateSettings(const Robot& robot, const std::string& name) {
   for (const ExtraJoint& joint : config.extra_joints) {
     extra.append(py::make_tuple(joint.name, joint.position, joint.velocity, joint.effort));
   }
-  py::dict settings;
-  settings["publish_rate_hz"] = config.publish_rate_hz;
-  settings["extra_joints"] = extra;
-  return settings;
+  return py::dict("publish_rate_hz"_a = config.publish_rate_hz, "extra_joints"_a = extra);
 }
 
 }  // namespace
@@ -193,18 +153,13 @@ void bindControllers(RobotClass& type) {
           "    parameters: dict in ros_control's layout, with `type`.\n"
           "Returns:\n    what was ignored, a list of lines.\n"
           "Raises:\n    ParameterError: the name is taken, or what is wrong with the parameters.")
-      .def(
-          "unload_controller", [](Robot& self, const std::string& name) { self.body().unloadController(name); },
-          py::arg("name"), "Forgets a controller.\n\nRaises:\n    UnknownNameError; ParameterError: it is running.")
-      .def(
-          "switch_controllers",
-          [](Robot& self, const Names& start, const Names& stop, bool strict) {
-            self.body().switchControllers(start, stop, strict);
-          },
-          py::arg("start") = Names(), py::arg("stop") = Names(), py::arg("strict") = true,
-          "Stops and starts controllers before the next period.\n\nArgs:\n"
-          "    strict: all of them or none; False: those that are there and not in that state already.\n"
-          "Raises:\n    UnknownNameError, ParameterError (two controllers on one joint); nothing changes then.")
+      .def("unload_controller", ofBody(&MultibodyWorld::unloadController), py::arg("name"),
+           "Forgets a controller.\n\nRaises:\n    UnknownNameError; ParameterError: it is running.")
+      .def("switch_controllers", ofBody(&MultibodyWorld::switchControllers), py::arg("start") = Names(),
+           py::arg("stop") = Names(), py::arg("strict") = true,
+           "Stops and starts controllers before the next period.\n\nArgs:\n"
+           "    strict: all of them or none; False: those that are there and not in that state already.\n"
+           "Raises:\n    UnknownNameError, ParameterError (two controllers on one joint); nothing changes then.")
       .def("loaded_controllers", &loadedControllers,
            "list of dict: name, type, state (initialized, running, stopped), hardware_interface, joints.")
       .def_static("controller_types", &controllerTypes, "Types that load_controller knows.")
@@ -214,14 +169,9 @@ void bindControllers(RobotClass& type) {
       .def("set_gains", &setGains, py::arg("controller"), py::arg("p"), py::arg("i"), py::arg("d"), py::arg("i_clamp"),
            py::arg("antiwindup"),
            "Gains of a running controller of one joint.\n\nRaises:\n    UnknownNameError, ParameterError.")
-      .def(
-          "set_group_command",
-          [](Robot& self, const std::string& name, const Numbers& values) {
-            self.body().setGroupCommand(name, values);
-          },
-          py::arg("controller"), py::arg("values"),
-          "Sets all joints of a running group, in its order.\n\nRaises:\n    UnknownNameError, NotFiniteError; "
-          "ParameterError: wrong size, not running.")
+      .def("set_group_command", ofBody(&MultibodyWorld::setGroupCommand), py::arg("controller"), py::arg("values"),
+           "Sets all joints of a running group, in its order.\n\nRaises:\n    UnknownNameError, NotFiniteError; "
+           "ParameterError: wrong size, not running.")
       .def("follow_trajectory", &follow, py::arg("controller"), py::arg("joints"), py::arg("points"),
            py::arg("start_s") = py::none(),
            "Lets joints follow a trajectory; the goal before it, if any, is preempted.\n\nArgs:\n"

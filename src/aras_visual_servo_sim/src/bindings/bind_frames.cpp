@@ -1,5 +1,4 @@
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "bindings.hpp"
@@ -47,14 +46,9 @@ py::dict modelPoses(const FrameState& state) {
 
 py::dict frameState(const World& world, const std::string& camera) {
   const FrameState state = world.frameState(world.cameras().index(camera));
-  py::dict result;
-  result["stamp_ns"] = state.stamp_ns;
-  result["joint_positions"] = state.q;
-  result["joint_velocities"] = state.v;
-  result["camera_pose"] = state.X_WC.matrix();
-  result["camera_twist"] = state.V_WC_C;
-  result["model_poses"] = modelPoses(state);
-  return result;
+  return py::dict("stamp_ns"_a = state.stamp_ns, "joint_positions"_a = state.q, "joint_velocities"_a = state.v,
+                  "camera_pose"_a = state.X_WC.matrix(), "camera_twist"_a = state.V_WC_C,
+                  "model_poses"_a = modelPoses(state));
 }
 
 const GeometryImage& geometryOf(World& world, const std::string& camera, Distance distance = Distance::kDepth) {

@@ -22,18 +22,10 @@ void setCommand(Robot& robot, std::optional<Values> position, std::optional<Valu
 
 py::dict controllerState(const Robot& robot, const std::string& controller) {
   const ControllerState state = robot.body().controllerState(controller);
-  py::dict result;
-  result["set_point"] = state.set_point;
-  result["process_value"] = state.process_value;
-  result["process_value_dot"] = state.process_value_dot;
-  result["error"] = state.error;
-  result["command"] = state.command;
-  result["p"] = state.gains.p;
-  result["i"] = state.gains.i;
-  result["d"] = state.gains.d;
-  result["i_clamp"] = state.gains.i_max;
-  result["antiwindup"] = state.gains.antiwindup;
-  return result;
+  return py::dict("set_point"_a = state.set_point, "process_value"_a = state.process_value,
+                  "process_value_dot"_a = state.process_value_dot, "error"_a = state.error, "command"_a = state.command,
+                  "p"_a = state.gains.p, "i"_a = state.gains.i, "d"_a = state.gains.d, "i_clamp"_a = state.gains.i_max,
+                  "antiwindup"_a = state.gains.antiwindup);
 }
 
 void setBase(Robot& robot, const Eigen::Matrix4d& X_WB, const Twist& V_WB_W) {
@@ -45,17 +37,14 @@ void setBase(Robot& robot, const Eigen::Matrix4d& X_WB, const Twist& V_WB_W) {
 
 void bindRobot(RobotClass& type) {
   type.def_property_readonly(
-          "joint_names", [](const Robot& self) { return self.body().jointNames(); },
+          "joint_names", ofBody(&MultibodyWorld::jointNames),
           "Moving joints sorted by name: the order of every joint vector; of a driven base px, py, pz, rx, ry, rz.")
-      .def_property_readonly(
-          "joint_positions", [](const Robot& self) -> Eigen::VectorXd { return self.body().jointPositions(); },
-          "(n,) float64 copy [m or rad].")
-      .def_property_readonly(
-          "joint_velocities", [](const Robot& self) -> Eigen::VectorXd { return self.body().jointVelocities(); },
-          "(n,) float64 copy [m/s or rad/s].")
-      .def_property_readonly(
-          "joint_efforts", [](const Robot& self) -> Eigen::VectorXd { return self.body().jointEfforts(); },
-          "(n,) float64 copy, what the actuators applied in the last period [N or N m].")
+      .def_property_readonly("joint_positions", ofBody(&MultibodyWorld::jointPositions),
+                             "(n,) float64 copy [m or rad].")
+      .def_property_readonly("joint_velocities", ofBody(&MultibodyWorld::jointVelocities),
+                             "(n,) float64 copy [m/s or rad/s].")
+      .def_property_readonly("joint_efforts", ofBody(&MultibodyWorld::jointEfforts),
+                             "(n,) float64 copy, what the actuators applied in the last period [N or N m].")
       .def("set_command", &setCommand, py::arg("position") = py::none(), py::arg("velocity") = py::none(),
            py::arg("effort") = py::none(), py::arg("stamp_ns") = py::none(),
            "Commands joints by name. A command is applied or refused as a whole.\n\nArgs:\n"
@@ -67,22 +56,15 @@ void bindRobot(RobotClass& type) {
            "Raises:\n    NotFiniteError, UnknownNameError, ParameterError: the command was refused and counted, and "
            "all\n"
            "    commanded velocities are zero: the arm holds.")
-      .def(
-          "set_twist",
-          [](Robot& self, const Twist& twist, const std::string& link, std::optional<std::int64_t> stamp_ns) {
-            self.setTwist(twist, link, stamp_ns);
-          },
-          py::arg("twist"), py::arg("link") = "", py::arg("stamp_ns") = py::none(),
-          "Moves a driven base (sim.base: driven).\n\nArgs:\n"
-          "    twist: (6,), V_WL_L, [v; w] in the axes of the link [m/s; rad/s], as a velocity of set_command.\n"
-          "    link: any that the base carries, e.g. the optical frame; \"\": the base itself.\n"
-          "    stamp_ns and errors: as set_command.")
+      .def("set_twist", &Robot::setTwist, py::arg("twist"), py::arg("link") = "", py::arg("stamp_ns") = py::none(),
+           "Moves a driven base (sim.base: driven).\n\nArgs:\n"
+           "    twist: (6,), V_WL_L, [v; w] in the axes of the link [m/s; rad/s], as a velocity of set_command.\n"
+           "    link: any that the base carries, e.g. the optical frame; \"\": the base itself.\n"
+           "    stamp_ns and errors: as set_command.")
       .def_property_readonly(
           "refused_commands", [](const Robot& self) { return self.commands().refused(); },
           "Commands refused since the last reset.")
-      .def(
-          "controller_names", [](const Robot& self) { return self.body().controllerNames(); },
-          "Names of the joint controllers.")
+      .def("controller_names", ofBody(&MultibodyWorld::controllerNames), "Names of the joint controllers.")
       .def("controller_state", &controllerState, py::arg("controller"),
            "dict of set_point, process_value, process_value_dot, error, command and the gains.")
       .def(
@@ -94,27 +76,17 @@ void bindRobot(RobotClass& type) {
       .def(
           "link_twist", [](const Robot& self, const std::string& link) -> Twist { return self.body().linkTwist(link); },
           py::arg("link"), "V_WL_L, (6,): twist of a link in W in its own axes, [v; w] [m/s; rad/s].")
-      .def(
-          "link_acceleration",
-          [](const Robot& self, const std::string& link) -> Twist { return self.body().linkAcceleration(link); },
-          py::arg("link"),
-          "(6,): acceleration of a link in W in its own axes in the last period, [m/s^2; rad/s^2], without gravity.")
-      .def(
-          "joint_wrench",
-          [](const Robot& self, const std::string& joint) -> Twist { return self.body().jointWrench(joint); },
-          py::arg("joint"),
-          "(6,): what the child link of a joint, fixed ones too, exerted on its parent in the last period, in the\n"
-          "child's axes about its origin, [f; tau] [N; N m].")
-      .def(
-          "push",
-          [](Robot& self, const std::map<std::string, Twist>& links, const Values& joints) {
-            self.body().push(links, joints);
-          },
-          py::arg("links") = std::map<std::string, Twist>(), py::arg("joints") = Values(),
-          "Forces from outside from now on, in the place of all there were; a reset ends them.\n\nArgs:\n"
-          "    links: dict name -> (6,), at its centre of mass, [f; tau] in world axes [N; N m].\n"
-          "    joints: dict name -> effort besides that of its actuator [N or N m].\n"
-          "Raises:\n    UnknownNameError, NotFiniteError; nothing changes then.")
+      .def("link_acceleration", ofBody(&MultibodyWorld::linkAcceleration), py::arg("link"),
+           "(6,): acceleration of a link in W in its own axes in the last period, [m/s^2; rad/s^2], without gravity.")
+      .def("joint_wrench", ofBody(&MultibodyWorld::jointWrench), py::arg("joint"),
+           "(6,): what the child link of a joint, fixed ones too, exerted on its parent in the last period, in the\n"
+           "child's axes about its origin, [f; tau] [N; N m].")
+      .def("push", ofBody(&MultibodyWorld::push), py::arg("links") = std::map<std::string, Twist>(),
+           py::arg("joints") = Values(),
+           "Forces from outside from now on, in the place of all there were; a reset ends them.\n\nArgs:\n"
+           "    links: dict name -> (6,), at its centre of mass, [f; tau] in world axes [N; N m].\n"
+           "    joints: dict name -> effort besides that of its actuator [N or N m].\n"
+           "Raises:\n    UnknownNameError, NotFiniteError; nothing changes then.")
       .def("set_base", &setBase, py::arg("pose"), py::arg("twist") = Twist(Twist::Zero()),
            "Places a base that is not fixed: X_WB (4, 4); twist (6,), [v; w] in world axes, not of a driven one.\n\n"
            "Raises:\n    ParameterError: it is fixed; NotFiniteError. Nothing changes then.")
@@ -126,14 +98,9 @@ void bindRobot(RobotClass& type) {
       [](const Robot& self) {
         py::list contacts;
         for (const ContactForce& contact : self.body().contacts()) {
-          py::dict entry;
-          entry["a"] = contact.a;
-          entry["b"] = contact.b;
-          entry["point_m"] = contact.point_W;
-          entry["normal"] = contact.normal_W;
-          entry["depth_m"] = contact.depth_m;
-          entry["force_n"] = contact.force_W;
-          contacts.append(entry);
+          contacts.append(py::dict("a"_a = contact.a, "b"_a = contact.b, "point_m"_a = contact.point_W,
+                                   "normal"_a = contact.normal_W, "depth_m"_a = contact.depth_m,
+                                   "force_n"_a = contact.force_W));
         }
         return contacts;
       },
@@ -141,7 +108,7 @@ void bindRobot(RobotClass& type) {
       "(3,), "
       "normal (3,) from b to a, force_n (3,) on a, all in W; depth_m}.");
   type.def_property_readonly(
-      "unsettled_steps", [](const Robot& self) { return self.body().unsettledSteps(); },
+      "unsettled_steps", ofBody(&MultibodyWorld::unsettledSteps),
       "Steps since the last reset whose contacts did not settle within the bound on the work of a step.");
   type.def_property_readonly("name", &Robot::name, "Its name in its world; '' of a Simulation.")
       .def_property_readonly(

@@ -81,22 +81,12 @@ void setGround(World& world, std::optional<double> z_m, double friction) {
 py::dict cameraInfo(const World& world, const std::string& camera) {
   const CameraModel& model = world.cameras()[world.cameras().index(camera)].model();
   const auto rows = [](const auto& matrix) {
-    std::vector<double> numbers;
-    for (int i = 0; i < matrix.rows(); ++i) {
-      for (int j = 0; j < matrix.cols(); ++j) numbers.push_back(matrix(i, j));
-    }
-    return numbers;
+    const auto numbers = matrix.template reshaped<Eigen::RowMajor>();
+    return std::vector<double>(numbers.begin(), numbers.end());
   };
-  py::dict info;
-  info["width"] = model.width();
-  info["height"] = model.height();
-  info["frame_id"] = model.config().frame;
-  info["distortion_model"] = model.distortionModel();
-  info["D"] = model.D();
-  info["K"] = rows(model.K());
-  info["R"] = rows(model.R());
-  info["P"] = rows(model.P());
-  return info;
+  return py::dict("width"_a = model.width(), "height"_a = model.height(), "frame_id"_a = model.config().frame,
+                  "distortion_model"_a = model.distortionModel(), "D"_a = model.D(), "K"_a = rows(model.K()),
+                  "R"_a = rows(model.R()), "P"_a = rows(model.P()));
 }
 
 void setModelPose(World& world, const std::string& name, const Eigen::Vector3d& p, const Eigen::Vector4d& q_xyzw) {

@@ -6,17 +6,29 @@
 
 #include <aras_visual_servo_common/python/yaml_from_python.hpp>
 #include <memory>
-#include <string>
 
 #include "aras_visual_servo_sim/simulation/simulation.hpp"
 
 namespace aras_visual_servo_sim {
 
 namespace py = pybind11;
+using namespace pybind11::literals;
 using aras_visual_servo_common::yamlFromPython;
 using ReleaseGil = py::call_guard<py::gil_scoped_release>;
 using RobotClass = py::class_<Robot, std::shared_ptr<Robot>>;
 using WorldClass = py::class_<World, std::shared_ptr<World>>;
+
+/** A member of the robot's body as a function of the robot. */
+template <typename Result, typename... Arguments>
+auto ofBody(Result (MultibodyWorld::*member)(Arguments...) const) {
+  return [member](const Robot& self, Arguments... arguments) -> std::decay_t<Result> {
+    return (self.body().*member)(arguments...);
+  };
+}
+template <typename Result, typename... Arguments>
+auto ofBody(Result (MultibodyWorld::*member)(Arguments...)) {
+  return [member](Robot& self, Arguments... arguments) -> Result { return (self.body().*member)(arguments...); };
+}
 
 /** The classes World and Simulation. */
 void bindWorld(py::module_& module);

@@ -9,6 +9,7 @@
 namespace aras_visual_servo_sim {
 
 using aras_visual_servo_common::FaultList;
+using aras_visual_servo_common::joined;
 using aras_visual_servo_common::numberText;
 using aras_visual_servo_common::readSection;
 using aras_visual_servo_common::Schema;
@@ -29,5 +30,9 @@ template <typename Settings>
 Pose poseOf(const Settings& settings) {
   return {settings.position_m, quaternionFromRpy(settings.rpy_rad)};
 }
+
+/** Checks a pose that somebody asks for: its position as the section solid has it, its quaternion of a length that can
+ * be made 1. @param what  names it in messages @throws NotFiniteError, ParameterError */
+void checkPlace(const std::string& what, const Pose& pose);
 
 }  // namespace aras_visual_servo_sim

@@ -3,6 +3,8 @@
 #include <yaml-cpp/yaml.h>
 
 #include <Eigen/Core>
+#include <array>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <set>
@@ -51,5 +53,8 @@ struct ContactConfig {
 
 /** Reads section `contacts`. Null: none. @throws ParameterError listing every fault */
 ContactConfig contactConfigFromYaml(const YAML::Node& node);
+
+/** Whether a closed mesh fills less than 0.9 of its convex hull, so that the hull cannot stand for it. */
+bool isHollow(const std::vector<Eigen::Vector3d>& points, const std::vector<std::array<std::uint32_t, 3>>& triangles);
 
 }  // namespace aras_visual_servo_sim

@@ -51,6 +51,14 @@ PidGains gainsOf(const PidKeys& pid);
 /** @throws ParameterError unless the gains are finite, not negative, i_min <= 0 <= i_max. */
 void checkGains(const PidGains& gains, const std::string& controller_name);
 
+/** Whether a controller of this type has a PID. */
+inline bool hasPid(ControllerType type) {
+  return type == ControllerType::kEffortPosition || type == ControllerType::kEffortVelocity;
+}
+
+/** The interface of ros_control that a type drives its joint through, as "EffortJointInterface". */
+const char* interfaceOf(ControllerType type);
+
 /** ros_control's name of a type, e.g. "effort_controllers/JointPositionController". */
 std::string controllerTypeName(ControllerType type);
 

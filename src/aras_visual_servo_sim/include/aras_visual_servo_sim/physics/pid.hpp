@@ -2,8 +2,7 @@
 
 namespace aras_visual_servo_sim {
 
-/** Gains of control_toolbox::Pid. i_min <= 0 <= i_max bound the integral's contribution to the command; both 0: none.
- */
+/** Gains of control_toolbox::Pid. i_min <= 0 <= i_max bound the integral's part of the command; both 0: none. */
 struct PidGains {
   double p = 0.0, i = 0.0, d = 0.0, i_min = 0.0, i_max = 0.0;
   bool antiwindup = false;  ///< clamp the accumulated error itself, not only its contribution

@@ -48,7 +48,7 @@ class RayCaster {
  private:
   struct Shape;
 
-  int append(std::unique_ptr<Shape> shape);
+  int append(Shape shape, int body, const Pose& X_BS);
 
   std::vector<std::unique_ptr<Shape>> shapes_;
 };

@@ -85,8 +85,7 @@ struct Link {
   std::vector<Collision> collisions;
 };
 
-/** A <gazebo reference="link"><sensor type="camera"> with its plugin's names; zero or empty where the tag was absent.
- */
+/** A <gazebo reference="link"><sensor type="camera"> with its plugin's names; zero or empty without the tag. */
 struct CameraTag {
   std::string link, sensor_name, camera_name, image_topic, camera_info_topic, trigger_topic, frame, format;
   std::optional<std::string> robot_namespace;

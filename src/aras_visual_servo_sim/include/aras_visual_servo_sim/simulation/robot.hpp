@@ -15,7 +15,6 @@
 #include "aras_visual_servo_sim/simulation/commands.hpp"
 #include "aras_visual_servo_sim/simulation/models/contacts.hpp"
 #include "aras_visual_servo_sim/simulation/simulation_config.hpp"
-#include "aras_visual_servo_sim/simulation/start.hpp"
 
 namespace aras_visual_servo_sim {
 
@@ -57,15 +56,25 @@ class Robot {
   friend class World;
 
   std::int64_t nowNs() const { return body_->ticks() * period_ns_; }
-  /** Makes the body, at the start. @throws as Start::makeWorld */
+  /** @throws ParameterError naming each initial position of a joint that the robot does not have */
+  void checkStart() const;
+  /** Makes the body, at the start: a joint that is not named stands at 0, or where its limits exclude 0 at the nearer
+   *  one. @throws as MultibodyWorld and its setJointPositions */
   void makeBody();
+  /** Puts the body back to its start, at rest. */
+  void putBack();
 
   std::string name_;
   int number_;
   RobotModel model_;
   WorldConfig config_;
   std::int64_t period_ns_;
-  Start start_;
+  /** Where the body stands when it is made. */
+  struct Start {
+    std::map<std::string, double> positions;  // of the configuration, by joint name [m or rad]
+    Eigen::VectorXd q;
+    Pose X_WB;
+  } start_;
   Contacts contacts_;
   Commands commands_;
   std::unique_ptr<MultibodyWorld> body_;

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,12 +13,13 @@
 
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "aras_visual_servo_sim/config/package_paths.hpp"
+#include "aras_visual_servo_sim/config/types.hpp"
+#include "aras_visual_servo_sim/image/image.hpp"
 #include "aras_visual_servo_sim/physics/ray_caster.hpp"
 #include "aras_visual_servo_sim/render/undrawn.hpp"
 #include "aras_visual_servo_sim/simulation/cameras/cameras.hpp"
 #include "aras_visual_servo_sim/simulation/cameras/frame_drawer.hpp"
-#include "aras_visual_servo_sim/simulation/frame.hpp"
-#include "aras_visual_servo_sim/simulation/models/lights.hpp"
+#include "aras_visual_servo_sim/simulation/models/model_set.hpp"
 #include "aras_visual_servo_sim/simulation/models/models.hpp"
 #include "aras_visual_servo_sim/simulation/robot.hpp"
 #include "aras_visual_servo_sim/simulation/simulation_config.hpp"
@@ -25,6 +27,23 @@
 #include "aras_visual_servo_sim/simulation/time/clock.hpp"
 
 namespace aras_visual_servo_sim {
+
+/** What was true when an image was exposed. */
+struct FrameState {
+  std::int64_t stamp_ns = 0;           ///< simulated time of the exposure
+  Eigen::VectorXd q, v;                ///< of the joints, sorted by name [m or rad, per s]
+  Pose X_WC;                           ///< of the camera
+  Twist V_WC_C = Twist::Zero();        ///< of the camera
+  std::map<std::string, Pose> models;  ///< X_WM by name
+};
+
+/** An image and what was true when it was exposed. */
+struct Frame {
+  const Image* image;  ///< the camera's own: its content lasts until the next render of this camera
+  FrameState state;
+};
+
+class StateArchive;
 
 /** Robots, one scene and the cameras of the robots under one clock of integer nanoseconds.
  *
@@ -169,8 +188,7 @@ class World {
   void reset();
   /** The whole state as bytes: a world that gets it back goes on exactly as this one does, run hash included. */
   std::string saveState() const;
-  /** @throws StateError if the bytes are not from a world of this construction and these robots; nothing changes then.
-   */
+  /** @throws StateError unless the bytes are from a world of this construction and robots; nothing changes then */
   void restoreState(const std::string& state);
   /** Hash of the joint positions and velocities at every frame and of every image rendered for one, since the reset. */
   std::string runHash() const { return run_hash_.hex(); }
@@ -197,9 +215,10 @@ class World {
   void moveModels();
   void change(ModelSet next);
   void tellUndrawn();
-  void restoreRobots(const std::vector<std::string>& states, const ModelSet& models,
-                     const std::vector<Camera::State>& cameras);
-  void checkTime(const std::vector<Camera::State>& cameras) const;
+  struct Record;
+  void visit(StateArchive& archive, Record& record, ModelSet& models) const;
+  void restoreRobots(const Record& record, const ModelSet& models);
+  void checkTime(const Record& record) const;
 
   /** What rays meet, until robots or solids come or go. */
   struct RayScene {

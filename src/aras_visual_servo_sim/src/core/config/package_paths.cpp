@@ -58,27 +58,19 @@ std::string PackagePaths::findPackage(const std::string& name) const {
 
 std::string PackagePaths::resolve(const std::string& uri, const std::string& base_dir) const {
   const std::string package_scheme = "package://", model_scheme = "model://", file_scheme = "file://";
+  const bool is_model = startsWith(uri, model_scheme);
   fs::path path;
-  if (startsWith(uri, model_scheme)) {
-    const std::string rest = uri.substr(model_scheme.size());
-    const std::string model = rest.substr(0, rest.find('/'));
-    std::string folder = findModel(model);
-    if (folder.empty()) folder = findPackage(model);
+  if (is_model || startsWith(uri, package_scheme)) {
+    const std::string rest = uri.substr((is_model ? model_scheme : package_scheme).size());
+    const std::string name = rest.substr(0, rest.find('/'));
+    std::string folder = is_model ? findModel(name) : "";
+    if (folder.empty()) folder = findPackage(name);
     if (folder.empty()) {
-      throw ModelError("file '" + uri + "': model '" + model +
-                       "' not found in GAZEBO_MODEL_PATH, nor as a package in package_paths, ROS_PACKAGE_PATH or "
-                       "CMAKE_PREFIX_PATH");
+      throw ModelError("file '" + uri + "': " + (is_model ? "model '" : "package '") + name + "' not found in " +
+                       (is_model ? "GAZEBO_MODEL_PATH, nor as a package in " : "") +
+                       "package_paths, ROS_PACKAGE_PATH or CMAKE_PREFIX_PATH");
     }
-    path = fs::path(folder) / rest.substr(std::min(rest.size(), model.size() + 1));
-  } else if (startsWith(uri, package_scheme)) {
-    const std::string rest = uri.substr(package_scheme.size());
-    const std::string package = rest.substr(0, rest.find('/'));
-    const std::string folder = findPackage(package);
-    if (folder.empty()) {
-      throw ModelError("file '" + uri + "': package '" + package +
-                       "' not found in package_paths, ROS_PACKAGE_PATH or CMAKE_PREFIX_PATH");
-    }
-    path = fs::path(folder) / rest.substr(std::min(rest.size(), package.size() + 1));
+    path = fs::path(folder) / rest.substr(std::min(rest.size(), name.size() + 1));
   } else {
     path = startsWith(uri, file_scheme) ? uri.substr(file_scheme.size()) : uri;
     if (path.is_relative() && !base_dir.empty()) path = fs::path(base_dir) / path;

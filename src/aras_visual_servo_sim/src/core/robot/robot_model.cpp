@@ -1,6 +1,7 @@
 #include "aras_visual_servo_sim/robot/robot_model.hpp"
 
 #include <algorithm>
+#include <aras_visual_servo_common/text.hpp>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
 
@@ -13,9 +14,8 @@ std::string scoped(const std::string& robot, const std::string& name) {
 int RobotModel::jointIndex(const std::string& joint_name) const {
   const auto found = std::lower_bound(joint_names.begin(), joint_names.end(), joint_name);
   if (found != joint_names.end() && *found == joint_name) return static_cast<int>(found - joint_names.begin());
-  std::string known;
-  for (const auto& each : joint_names) known += (known.empty() ? "" : ", ") + each;
-  throw UnknownNameError("joint '" + joint_name + "' does not exist or does not move, allowed: " + known);
+  throw UnknownNameError("joint '" + joint_name + "' does not exist or does not move, allowed: " +
+                         aras_visual_servo_common::joined(joint_names));
 }
 
 const Joint* RobotModel::floatingJoint() const {

@@ -9,7 +9,7 @@
 #include <sstream>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
-#include "urdf_text.hpp"
+#include "urdf_check.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -62,16 +62,6 @@ SdfLight::Type typeOf(const UrdfSource& source, const XMLElement& element) {
   if (type == "point") return SdfLight::Type::kPoint;
   if (type == "spot") return SdfLight::Type::kSpot;
   source.fail(element, "type is '" + type + "', must be point, directional or spot");
-}
-
-void warnOfOthers(const UrdfSource& source, const XMLElement* parent, std::initializer_list<const char*> known) {
-  for (const XMLElement* child = parent ? parent->FirstChildElement() : nullptr; child;
-       child = child->NextSiblingElement()) {
-    const std::string name = child->Name();
-    if (std::none_of(known.begin(), known.end(), [&](const char* each) { return name == each; })) {
-      source.warn(*child, "in <" + std::string(parent->Name()) + ">: ignored");
-    }
-  }
 }
 
 void readSpot(const UrdfSource& source, const XMLElement* spot, SdfLight& light) {

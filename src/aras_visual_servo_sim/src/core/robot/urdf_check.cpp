@@ -1,6 +1,7 @@
 #include "urdf_check.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <map>
@@ -44,24 +45,27 @@ std::vector<double> numbersOf(const UrdfSource& source, const XMLElement& elemen
   return values;
 }
 
+double numberOf(const UrdfSource& source, const XMLElement& element, const char* attribute, double fallback,
+                const std::string& owner) {
+  return element.Attribute(attribute) ? numbersOf(source, element, attribute, 1, owner)[0] : fallback;
+}
+
+void warnOfOthers(const UrdfSource& source, const XMLElement* parent, std::initializer_list<const char*> known) {
+  for (const XMLElement* child = parent ? parent->FirstChildElement() : nullptr; child;
+       child = child->NextSiblingElement()) {
+    const std::string name = child->Name();
+    if (std::none_of(known.begin(), known.end(), [&](const char* each) { return name == each; })) {
+      source.warn(*child, "in <" + std::string(parent->Name()) + ">: ignored");
+    }
+  }
+}
+
 namespace {
 
 /** Humanoids with hands have about a hundred. Chains are walked by functions that call themselves. */
 constexpr std::size_t kMostLinks = 1000;
 
 std::string quoted(const std::string& text) { return "'" + text + "'"; }
-
-std::string shown(double value) {
-  std::ostringstream out;
-  out << value;
-  return out.str();
-}
-
-/** A number that may be absent; @return fallback then. */
-double numberOf(const UrdfSource& source, const XMLElement& element, const char* attribute, double fallback,
-                const std::string& owner) {
-  return element.Attribute(attribute) ? numbersOf(source, element, attribute, 1, owner)[0] : fallback;
-}
 
 std::string nameOf(const UrdfSource& source, const XMLElement& element, std::set<std::string>& taken) {
   const char* name = element.Attribute("name");
@@ -79,7 +83,8 @@ constexpr double kMostInertia = 1e12, kMostDamping = 1e9, kMostMimic = 1e6;
 void requireWithin(const UrdfSource& source, const XMLElement& element, const std::string& what, double value,
                    double most) {
   if (std::abs(value) <= most) return;
-  source.fail(element, what + " is " + shown(value) + ", must be from " + shown(-most) + " to " + shown(most));
+  source.fail(element,
+              what + " is " + numberText(value) + ", must be from " + numberText(-most) + " to " + numberText(most));
 }
 
 /** The largest number that the section solid allows for a key, or for each element of it. */
@@ -104,7 +109,7 @@ void checkInertial(const UrdfSource& source, const XMLElement& inertial, const s
   const XMLElement* mass = inertial.FirstChildElement("mass");
   if (!mass) source.fail(inertial, owner + ": <mass> is missing, must be there");
   const double mass_kg = numbersOf(source, *mass, "value", 1, owner)[0];
-  if (mass_kg < 0.0) source.fail(*mass, owner + ": mass is " + shown(mass_kg) + ", must be >= 0");
+  if (mass_kg < 0.0) source.fail(*mass, owner + ": mass is " + numberText(mass_kg) + ", must be >= 0");
   requireWithin(source, *mass, owner + ": mass", mass_kg, mostOf("mass_kg"));
   const XMLElement* inertia = inertial.FirstChildElement("inertia");
   if (!inertia) source.fail(inertial, owner + ": <inertia> is missing, must be there");
@@ -127,7 +132,7 @@ void checkInertial(const UrdfSource& source, const XMLElement& inertial, const s
   // is written with.
   constexpr double kWrittenDigits = 1e-3;
   if (!(principal.minCoeff() >= -kWrittenDigits * principal.cwiseAbs().maxCoeff())) {
-    source.fail(*inertia, owner + ": inertia has the principal moment " + shown(principal.minCoeff()) +
+    source.fail(*inertia, owner + ": inertia has the principal moment " + numberText(principal.minCoeff()) +
                               ", all must be >= 0 (positive semidefinite)");
   }
   if (principal(2) > (principal(0) + principal(1)) * (1.0 + kWrittenDigits)) {
@@ -142,7 +147,7 @@ void checkGeometry(const UrdfSource& source, const XMLElement& visual, const std
   const std::string type = shape->Name();
   const auto positive = [&](const char* attribute, std::size_t count) {
     for (double value : numbersOf(source, *shape, attribute, count, owner)) {
-      if (value <= 0.0) source.fail(*shape, owner + ": " + attribute + " is " + shown(value) + ", must be > 0");
+      if (value <= 0.0) source.fail(*shape, owner + ": " + attribute + " is " + numberText(value) + ", must be > 0");
       requireWithin(source, *shape, owner + ": " + attribute, value, mostOf("box_m"));
     }
   };
@@ -190,12 +195,13 @@ void checkLimit(const UrdfSource& source, const XMLElement& joint, const std::st
   }
   const double effort = numbersOf(source, *limit, "effort", 1, owner)[0];
   const double velocity = numbersOf(source, *limit, "velocity", 1, owner)[0];
-  if (effort < 0.0) source.fail(*limit, owner + ": effort limit is " + shown(effort) + ", must be >= 0");
-  if (velocity <= 0.0) source.fail(*limit, owner + ": velocity limit is " + shown(velocity) + ", must be > 0");
+  if (effort < 0.0) source.fail(*limit, owner + ": effort limit is " + numberText(effort) + ", must be >= 0");
+  if (velocity <= 0.0) source.fail(*limit, owner + ": velocity limit is " + numberText(velocity) + ", must be > 0");
   const double lower = numberOf(source, *limit, "lower", 0.0, owner);
   const double upper = numberOf(source, *limit, "upper", 0.0, owner);
   if (bounded && lower > upper) {
-    source.fail(*limit, owner + ": lower limit is " + shown(lower) + ", must be <= the upper one, " + shown(upper));
+    source.fail(*limit,
+                owner + ": lower limit is " + numberText(lower) + ", must be <= the upper one, " + numberText(upper));
   }
 }
 
@@ -204,7 +210,7 @@ void checkDynamics(const UrdfSource& source, const XMLElement& joint, const std:
   if (!dynamics) return;
   for (const char* attribute : {"damping", "friction"}) {
     const double value = numberOf(source, *dynamics, attribute, 0.0, owner);
-    if (value < 0.0) source.fail(*dynamics, owner + ": " + attribute + " is " + shown(value) + ", must be >= 0");
+    if (value < 0.0) source.fail(*dynamics, owner + ": " + attribute + " is " + numberText(value) + ", must be >= 0");
     requireWithin(source, *dynamics, owner + ": " + attribute, value, kMostDamping);
   }
 }
@@ -216,11 +222,11 @@ void checkSafety(const UrdfSource& source, const XMLElement& joint, const std::s
   const double k_position = numberOf(source, *safety, "k_position", 0.0, owner);
   const double lower = numberOf(source, *safety, "soft_lower_limit", 0.0, owner);
   const double upper = numberOf(source, *safety, "soft_upper_limit", 0.0, owner);
-  if (k_velocity < 0.0) source.fail(*safety, owner + ": k_velocity is " + shown(k_velocity) + ", must be >= 0");
-  if (k_position < 0.0) source.fail(*safety, owner + ": k_position is " + shown(k_position) + ", must be >= 0");
+  if (k_velocity < 0.0) source.fail(*safety, owner + ": k_velocity is " + numberText(k_velocity) + ", must be >= 0");
+  if (k_position < 0.0) source.fail(*safety, owner + ": k_position is " + numberText(k_position) + ", must be >= 0");
   if (lower > upper) {
-    source.fail(*safety,
-                owner + ": soft_lower_limit is " + shown(lower) + ", must be <= the upper one, " + shown(upper));
+    source.fail(*safety, owner + ": soft_lower_limit is " + numberText(lower) + ", must be <= the upper one, " +
+                             numberText(upper));
   }
   if (type != "continuous" && k_position == 0.0) {
     source.warn(*safety, owner + ": k_position is 0: as joint_limits_interface has it, its controller cannot move it");
@@ -345,6 +351,39 @@ void checkUrdf(const UrdfSource& source, const XMLElement& robot) {
     if (!kUsed.count(child->Name())) source.warn(*child, "ignored");
   }
   if (has_collision) source.warn(robot, "<collision> shapes count only for what sim/contacts names");
+}
+
+std::string textOf(const XMLElement* element) {
+  const char* text = element ? element->GetText() : nullptr;
+  if (!text) return "";
+  const std::string all = text;
+  const auto first = all.find_first_not_of(" \t\r\n");
+  return first == std::string::npos ? "" : all.substr(first, all.find_last_not_of(" \t\r\n") - first + 1);
+}
+
+std::string childText(const XMLElement* parent, const char* tag) {
+  return parent ? textOf(parent->FirstChildElement(tag)) : "";
+}
+
+double childNumber(const UrdfSource& source, const XMLElement* parent, const char* tag, double fallback) {
+  const XMLElement* child = parent ? parent->FirstChildElement(tag) : nullptr;
+  if (!child) return fallback;
+  const std::string text = textOf(child);
+  char* end = nullptr;
+  const double value = std::strtod(text.c_str(), &end);
+  if (text.empty() || *end != '\0' || !std::isfinite(value)) {
+    source.fail(*child, "value is '" + text + "', must be a finite number");
+  }
+  return value;
+}
+
+bool childFlag(const UrdfSource& source, const XMLElement* parent, const char* tag, bool fallback) {
+  const XMLElement* child = parent ? parent->FirstChildElement(tag) : nullptr;
+  if (!child) return fallback;
+  const std::string text = textOf(child);
+  if (text == "true" || text == "True" || text == "1") return true;
+  if (text == "false" || text == "False" || text == "0") return false;
+  source.fail(*child, "value is '" + text + "', must be true or false");
 }
 
 }  // namespace aras_visual_servo_sim

@@ -1,8 +1,10 @@
 #include "aras_visual_servo_sim/simulation/robot.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
+#include "aras_visual_servo_sim/config/section.hpp"
 
 namespace aras_visual_servo_sim {
 
@@ -13,7 +15,7 @@ Robot::Robot(const std::string& name, int number, RobotModel model, const Simula
       model_(std::move(model)),
       config_(config.world),
       period_ns_(period_ns),
-      start_(config.initial_positions),
+      start_{config.initial_positions, {}, {}},
       contacts_(config_.contacts, model_, packages),
       commands_(config_.command_timeout_s, config.command_delay_s, period_ns) {}
 
@@ -23,10 +25,39 @@ std::vector<std::string> Robot::scopedLinks() const {
   return names;
 }
 
+void Robot::checkStart() const {
+  FaultList faults;
+  const std::vector<std::string>& names = jointNames(model_, config_);
+  for (const auto& joint : start_.positions) {
+    if (std::binary_search(names.begin(), names.end(), joint.first)) continue;
+    faults.add("joint '" + joint.first + "' does not exist or does not move, allowed: " + joined(names));
+  }
+  faults.throwIfAny();
+}
+
 void Robot::makeBody() {
   WorldConfig config = config_;
   config.contacts = contacts_.present();
-  body_ = start_.makeWorld(model_, config);
+  body_ = std::make_unique<MultibodyWorld>(model_, config);
+  Eigen::VectorXd q = body_->jointPositions();
+  const std::vector<std::string>& names = body_->jointNames();
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const auto named = start_.positions.find(names[i]);
+    if (named != start_.positions.end()) q[static_cast<Eigen::Index>(i)] = named->second;
+  }
+  body_->reset(q);
+  body_->setJointPositions(start_.positions);  // refuses a mimic joint away from its leader
+  start_.q = body_->jointPositions();
+  start_.X_WB = body_->basePose();
+}
+
+void Robot::putBack() {
+  std::map<std::string, double> positions;
+  for (std::size_t i = 0; i < body_->jointNames().size(); ++i) {
+    positions[body_->jointNames()[i]] = start_.q[static_cast<Eigen::Index>(i)];
+  }
+  body_->setJointPositions(positions);
+  if (body_->floatingBase()) body_->setBasePose(start_.X_WB);
 }
 
 void Robot::setTwist(const Twist& V_WL_L, const std::string& link, std::optional<std::int64_t> stamp_ns) {
@@ -68,11 +99,11 @@ std::pair<const Robot*, int> findLink(const Robots& robots, const std::string& l
       if (link.compare(prefix.size(), std::string::npos, links[k].name) == 0) return {robot.get(), static_cast<int>(k)};
     }
   }
-  std::string known;
+  std::vector<std::string> known;
   for (const auto& robot : robots) {
-    for (const std::string& name : robot->scopedLinks()) known += (known.empty() ? "" : ", ") + name;
+    for (const std::string& name : robot->scopedLinks()) known.push_back(name);
   }
-  throw UnknownNameError("link '" + link + "' does not exist, allowed: " + known);
+  throw UnknownNameError("link '" + link + "' does not exist, allowed: " + joined(known));
 }
 
 }  // namespace aras_visual_servo_sim

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "aras_visual_servo_sim/camera/camera_tags.hpp"
-#include "aras_visual_servo_sim/config/place.hpp"
+#include "aras_visual_servo_sim/config/section.hpp"
 #include "aras_visual_servo_sim/physics/touching_robots.hpp"
 #include "aras_visual_servo_sim/robot/joint_limits_reader.hpp"
 
@@ -82,7 +82,7 @@ void World::addRobot(const std::shared_ptr<Robot>& robot, const SimulationConfig
   if (faults.empty()) {
     faults.collect([&] { keeps_solids ? simulateSolids(*robot) : robot->contacts_.begin(ModelSet(), {}); });
   }
-  faults.collect([&] { robot->start_.check(robot->model_, robot->config_); });
+  faults.collect([&] { robot->checkStart(); });
   std::vector<CameraConfig> views = config.cameras;
   if (views.empty()) {
     faults.collect([&] { views = camerasFromTags(robot->model_, robot->model_.warnings, config.gazebo_cameras); });
@@ -164,7 +164,7 @@ void World::renew(const std::string& name, RobotModel model, const Eigen::Vector
   }
   const Eigen::Vector3d gravity_before = std::exchange(robot.config_.gravity_m_s2, gravity_m_s2);
   std::swap(robot.model_, model);
-  const Start start = robot.start_;
+  const Robot::Start start = robot.start_;
   std::unique_ptr<MultibodyWorld> before = std::move(robot.body_);
   try {
     robot.makeBody();
@@ -451,7 +451,7 @@ void World::startModels() {
 
 void World::resetWorld() {
   for (const auto& robot : robots_) {
-    robot->start_.putBack(*robot->body_);
+    robot->putBack();
     robot->commands_.drop();
   }
   startModels();

@@ -4,7 +4,17 @@
 
 namespace aras_visual_servo_sim {
 
-/** Answers a service that has `success` and `message`: what the action throws is the reason of a refusal.
+/** Where a response has the reason of a refusal: `message`, in those of Gazebo's kind `status_message`. */
+template <typename Response>
+auto reasonOf(Response& response, int) -> decltype((response.status_message)) {
+  return response.status_message;
+}
+template <typename Response>
+auto reasonOf(Response& response, long) -> decltype((response.message)) {
+  return response.message;
+}
+
+/** Answers a service that has `success`: what the action throws is the reason of a refusal.
  *  @return true: the call was answered */
 template <typename Response, typename Action>
 bool answer(Response& response, const Action& action) {
@@ -13,7 +23,7 @@ bool answer(Response& response, const Action& action) {
     response.success = true;
   } catch (const ArasError& error) {
     response.success = false;
-    response.message = error.what();
+    reasonOf(response, 0) = error.what();
   }
   return true;
 }

@@ -1,6 +1,5 @@
 #include "conversions.hpp"
 
-#include <algorithm>
 #include <aras_visual_servo_common/text.hpp>
 #include <cmath>
 
@@ -9,22 +8,10 @@
 namespace aras_visual_servo_sim {
 namespace {
 
-constexpr std::int64_t kNanosecondsPerSecond = 1000000000;
 constexpr double kFarthestM = 1e4;       // metres in single precision have steps of a millimetre there
 constexpr double kUnitTolerance = 1e-3;  // single-precision senders and three-digit command lines pass
 
 }  // namespace
-
-ros::Time toRosTime(std::int64_t time_ns) {
-  ros::Time time;
-  time.sec = static_cast<std::uint32_t>(time_ns / kNanosecondsPerSecond);
-  time.nsec = static_cast<std::uint32_t>(time_ns % kNanosecondsPerSecond);
-  return time;
-}
-
-std::int64_t toNanoseconds(const ros::Time& time) {
-  return static_cast<std::int64_t>(time.sec) * kNanosecondsPerSecond + time.nsec;
-}
 
 geometry_msgs::Pose toMessage(const Pose& pose) {
   geometry_msgs::Pose message;
@@ -76,16 +63,10 @@ sensor_msgs::CameraInfo toMessage(const CameraModel& camera) {
   message.height = static_cast<std::uint32_t>(camera.height());
   message.distortion_model = camera.distortionModel();
   message.D = camera.D();
-  const Eigen::Matrix3d K = camera.K();
-  const Eigen::Matrix3d R = camera.R();
-  const Eigen::Matrix<double, 3, 4> P = camera.P();
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column) {
-      message.K[3 * row + column] = K(row, column);
-      message.R[3 * row + column] = R(row, column);
-    }
-    for (int column = 0; column < 4; ++column) message.P[4 * row + column] = P(row, column);
-  }
+  using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+  Eigen::Map<RowMajor3>(message.K.data()) = camera.K();
+  Eigen::Map<RowMajor3>(message.R.data()) = camera.R();
+  Eigen::Map<Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(message.P.data()) = camera.P();
   return message;
 }
 

@@ -17,8 +17,8 @@ namespace aras_visual_servo_sim {
 inline const std::string kWorldFrame = "world";
 
 /** Simulated nanoseconds since the last reset, as a ROS time and back. */
-ros::Time toRosTime(std::int64_t time_ns);
-std::int64_t toNanoseconds(const ros::Time& time);
+inline ros::Time toRosTime(std::int64_t time_ns) { return ros::Time().fromNSec(static_cast<std::uint64_t>(time_ns)); }
+inline std::int64_t toNanoseconds(const ros::Time& time) { return static_cast<std::int64_t>(time.toNSec()); }
 
 geometry_msgs::Pose toMessage(const Pose& pose);
 /** What an all-zero quaternion is, which an unset message carries. */

@@ -3,10 +3,7 @@
 #include <ros/node_handle.h>
 #include <yaml-cpp/yaml.h>
 
-#include <map>
-#include <string>
-
-#include "aras_visual_servo_sim/physics/joint_state_config.hpp"
+#include "aras_visual_servo_sim/physics/managed/joint_state_controller.hpp"
 #include "aras_visual_servo_sim/robot/robot_model.hpp"
 #include "aras_visual_servo_sim/simulation/simulation_config.hpp"
 #include "aras_visual_servo_sim/simulation/time/time_config.hpp"

@@ -3,7 +3,6 @@
 #include <ros/time.h>
 
 #include <algorithm>
-#include <cstddef>
 #include <cstdint>
 
 #include "aras_visual_servo_sim/simulation/simulation.hpp"
@@ -12,8 +11,7 @@
 namespace aras_visual_servo_sim {
 
 /** Simulated time as it is on the wire: the simulation's own, which a reset turns back to 0, or one that never goes
- * back
- *  (`reset_clock: monotonic`). */
+ *  back (`reset_clock: monotonic`). */
 class WireTime {
  public:
   WireTime(const Simulation& simulation, bool monotonic) : simulation_(simulation), monotonic_(monotonic) {}

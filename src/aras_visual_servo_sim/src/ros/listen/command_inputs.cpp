@@ -3,16 +3,17 @@
 #include <ros/console.h>
 #include <ros/names.h>
 #include <ros/transport_hints.h>
+#include <std_msgs/Empty.h>
 
 #include <algorithm>
 #include <boost/function.hpp>
 #include <boost/make_shared.hpp>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <optional>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
+#include "aras_visual_servo_sim/config/section.hpp"
 #include "convert/conversions.hpp"
 #include "neighbours.hpp"
 
@@ -48,7 +49,8 @@ JointCommand commandFromMessage(const sensor_msgs::JointState& message) {
   return command;
 }
 
-CommandInputs::CommandInputs(ros::NodeHandle& node, Simulation& simulation, LockstepGate& gate, const WireTime& time)
+CommandInputs::CommandInputs(ros::NodeHandle& node, Simulation& simulation, LockstepGate& gate, const WireTime& time,
+                             const std::vector<CameraTopics>& topics)
     : simulation_(simulation), gate_(gate), time_(time) {
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
   joint_command_ = node.subscribe("joint_command", kCommandQueue, &CommandInputs::onJointCommand, this, hints);
@@ -60,6 +62,12 @@ CommandInputs::CommandInputs(ros::NodeHandle& node, Simulation& simulation, Lock
         [this, controller](const std_msgs::Float64::ConstPtr& message) { onControllerCommand(controller, message); };
     controller_commands_.push_back(node.subscribe<std_msgs::Float64>(controller + "/command", kCommandQueue, callback,
                                                                      ros::VoidConstPtr(), hints));
+  }
+  for (std::size_t k = 0; k < topics.size(); ++k) {
+    const int camera = static_cast<int>(k);
+    if (!simulation.cameras()[camera].model().config().triggered) continue;
+    triggers_.push_back(node.subscribe<std_msgs::Empty>(
+        topics[k].trigger, 1, [this, camera](const std_msgs::EmptyConstPtr&) { simulation_.trigger(camera); }));
   }
 }
 
@@ -153,8 +161,7 @@ void CommandInputs::onControllerCommand(const std::string& controller, const std
 
 std::string CommandInputs::answerers() const {
   const std::string topic = joint_command_.getTopic();
-  std::string names;
-  for (const std::string& node : publishersOf(topic)) names += (names.empty() ? "" : ", ") + node;
+  const std::string names = joined(publishersOf(topic));
   return names.empty() ? "nobody publishes " + topic
                        : names + " (" + std::to_string(joint_command_.getNumPublishers()) + " connected)";
 }

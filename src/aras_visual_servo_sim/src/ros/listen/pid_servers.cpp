@@ -7,26 +7,15 @@
 namespace aras_visual_servo_sim {
 namespace {
 
-bool hasPid(const ControllerConfig& controller) {
-  return controller.type == ControllerType::kEffortPosition || controller.type == ControllerType::kEffortVelocity;
-}
-
 PidGains gainsFrom(const PidConfig& config) {
-  PidGains gains;
-  gains.p = config.p;
-  gains.i = config.i;
-  gains.d = config.d;
-  gains.i_max = config.i_clamp;
-  gains.i_min = -config.i_clamp;
-  gains.antiwindup = config.antiwindup;
-  return gains;
+  return {config.p, config.i, config.d, -config.i_clamp, config.i_clamp, config.antiwindup};
 }
 
 }  // namespace
 
 PidServers::PidServers(const ros::NodeHandle& node, Simulation& simulation) : simulation_(simulation) {
   for (const ControllerConfig& controller : simulation.body().config().controllers) {
-    if (!hasPid(controller)) continue;
+    if (!hasPid(controller.type)) continue;
     auto entry = std::make_unique<Entry>();
     entry->controller = controller.name;
     entry->server = std::make_unique<dynamic_reconfigure::Server<PidConfig>>(

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
+#include "aras_visual_servo_sim/config/section.hpp"
 #include "convert/conversions.hpp"
 #include "listen/neighbours.hpp"
 
@@ -31,12 +32,10 @@ SimNode::SimNode(ros::NodeHandle& node, ros::CallbackQueue& queue, NodeletQueue&
       pacer_(parameters.time.real_time_factor),
       recording_(node_, time_),
       states_(node_, simulation_, parameters, camera_topics_, time_, recording_),
-      commands_(node_, simulation_, gate_, time_),
-      triggers_(node_, simulation_, camera_topics_),
+      commands_(node_, simulation_, gate_, time_, camera_topics_),
       pids_(node_, simulation_),
       markers_(node_, simulation_),
       models_(node_, simulation_, markers_, time_),
-      lights_(node_, simulation_),
       status_(node_.advertise<aras_visual_servo_msgs::SimStatus>("sim/status", 1000, true)),
       paused_(parameters.time.start_paused) {
   requireOwnClock(node_.resolveName("/clock"));
@@ -170,8 +169,7 @@ void SimNode::tellWarnings() {
 
 /** Sentence that says which nodes have not answered which image. */
 std::string SimNode::heldBy() const {
-  std::string missing;
-  for (const std::string& node : gate_.missing()) missing += (missing.empty() ? "" : ", ") + node;
+  const std::string missing = joined({gate_.missing().begin(), gate_.missing().end()});
   const std::string to = " to the " + held_image_ + " on joint_command";
   if (answerers_.empty()) return "an answer" + to + (missing.empty() ? "" : " from: " + missing);
   if (missing.empty()) return "no answer" + to + " from: " + answerers_;

@@ -21,9 +21,7 @@
 #include "aras_visual_servo_sim/simulation/time/lockstep_gate.hpp"
 #include "convert/parameters.hpp"
 #include "convert/wire_time.hpp"
-#include "listen/camera_triggers.hpp"
 #include "listen/command_inputs.hpp"
-#include "listen/light_services.hpp"
 #include "listen/model_services.hpp"
 #include "listen/pid_servers.hpp"
 #include "nodelets.hpp"
@@ -99,11 +97,9 @@ class SimNode {
   Recording recording_;
   StatePublisher states_;
   CommandInputs commands_;
-  CameraTriggers triggers_;
   PidServers pids_;
   SceneMarkers markers_;
   ModelServices models_;
-  LightServices lights_;
   ros::Publisher status_;
   std::vector<ros::ServiceServer> services_;
   bool paused_;

@@ -2,7 +2,6 @@
 #include <ros/console.h>
 #include <ros/init.h>
 
-#include <algorithm>
 #include <map>
 
 #include "aras_visual_servo_sim/config/errors.hpp"

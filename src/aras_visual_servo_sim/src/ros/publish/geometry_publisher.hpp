@@ -15,8 +15,8 @@
 namespace aras_visual_servo_sim {
 
 /** <camera>/depth/image_raw (32FC1, metres, NaN where there is nothing) and <camera>/segmentation/image_raw (16UC1, the
- *  numbers of the parameter ~segmentation_ids) with the frames of every camera, drawn only for those who listen or
- * record. */
+ *  numbers of the parameter ~segmentation_ids) with the frames of every camera, drawn only if someone listens or
+ *  records. */
 class GeometryPublisher {
  public:
   GeometryPublisher(const ros::NodeHandle& node, Simulation& simulation, const std::vector<CameraTopics>& topics,

@@ -17,8 +17,7 @@ namespace aras_visual_servo_sim {
  * next one, as robot_state_publisher does. What never moves goes to the latched /tf_static, the rest to /tf. */
 class RobotFrames {
  public:
-  /** @param base  false: another node publishes where the base is  @param links  false: another one publishes the links
-   */
+  /** @param base, links  false: another node publishes where the base is, or the links */
   RobotFrames(ros::NodeHandle& node, const Simulation& simulation, bool base, bool links);
 
   /** Publishes the present transforms of what moves, with this stamp: the base always, the links with images and in the

@@ -3,6 +3,8 @@
 #include <ros/console.h>
 
 #include <algorithm>
+#include <map>
+#include <utility>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "convert/conversions.hpp"
@@ -29,6 +31,14 @@ std::string targetOf(const std::vector<std::string>& models) {
 std::uint32_t imageQueue(const CameraModel& model) {
   const auto bytes = static_cast<std::uint32_t>(model.width() * model.height() * channelsOf(model.encoding()));
   return std::clamp(kQueueBytes / bytes, kFewestImages, kMostImages);
+}
+
+template <typename Message>
+Message stamped(const ros::Time& stamp, const std::string& frame) {
+  Message message;
+  message.header.stamp = stamp;
+  message.header.frame_id = frame;
+  return message;
 }
 
 void assign(std::vector<double>& to, const Eigen::VectorXd& from) { to.assign(from.data(), from.data() + from.size()); }
@@ -191,27 +201,20 @@ void StatePublisher::publishControllers(const ros::Time& stamp) {
 void StatePublisher::publishTarget(const ros::Time& stamp) {
   const std::string target = targetOf(simulation_.models().names());
   if (target.empty()) return;
-  geometry_msgs::PoseStamped pose;
-  pose.header.stamp = stamp;
-  pose.header.frame_id = kWorldFrame;
+  auto pose = stamped<geometry_msgs::PoseStamped>(stamp, kWorldFrame);
   pose.pose = toMessage(simulation_.models().pose(target));
   target_pose_.publish(pose);
-  geometry_msgs::TwistStamped twist;
-  twist.header = pose.header;
+  auto twist = stamped<geometry_msgs::TwistStamped>(stamp, kWorldFrame);
   twist.twist = toMessage(simulation_.modelTwist(target));
   target_twist_.publish(twist);
 }
 
 void StatePublisher::publishCamera(int camera, const ros::Time& stamp, const Pose& X_WC, const Twist& V_WC_C) {
   CameraOutput& output = cameras_[camera];
-  geometry_msgs::PoseStamped pose;
-  pose.header.stamp = stamp;
-  pose.header.frame_id = kWorldFrame;
+  auto pose = stamped<geometry_msgs::PoseStamped>(stamp, kWorldFrame);
   pose.pose = toMessage(X_WC);
   output.pose.publish(pose);
-  geometry_msgs::TwistStamped twist;
-  twist.header.stamp = stamp;
-  twist.header.frame_id = output.info_message.header.frame_id;
+  auto twist = stamped<geometry_msgs::TwistStamped>(stamp, output.info_message.header.frame_id);
   twist.twist = toMessage(V_WC_C);
   output.twist.publish(twist);
   if (camera == 0) publishPath(stamp, pose.pose);
@@ -243,9 +246,7 @@ void StatePublisher::publishImage(int camera) {
 void StatePublisher::publishPath(const ros::Time& stamp, const geometry_msgs::Pose& pose) {
   if (path_.getNumSubscribers() == 0) return;
   if (path_message_.poses.size() >= kLongestPath) path_message_.poses.erase(path_message_.poses.begin());
-  geometry_msgs::PoseStamped entry;
-  entry.header.stamp = stamp;
-  entry.header.frame_id = kWorldFrame;
+  auto entry = stamped<geometry_msgs::PoseStamped>(stamp, kWorldFrame);
   entry.pose = pose;
   path_message_.poses.push_back(entry);
   const ros::WallTime now = ros::WallTime::now();
@@ -253,6 +254,46 @@ void StatePublisher::publishPath(const ros::Time& stamp, const geometry_msgs::Po
   path_sent_ = now;
   path_message_.header.stamp = stamp;
   path_.publish(path_message_);
+}
+
+std::vector<int> StatePublisher::resume() {
+  const std::int64_t tick = simulation_.ticks();
+  sampled_tick_ = -1;
+  next_clock_ = clock_schedule_.firstIndexFrom(tick);
+  next_joints_ = joint_schedule_.firstIndexFrom(tick);
+  path_message_.poses.clear();
+  publishClock();
+  publishLate();
+  publishPresentJoints(true);
+  std::vector<int> taken;
+  for (std::size_t k = 0; k < cameras_.size(); ++k) {
+    if (simulation_.cameras()[static_cast<int>(k)].frameTaken(tick)) taken.push_back(static_cast<int>(k));
+  }
+  const ros::Time stamp = time_.now();
+  if (!taken.empty()) publishTarget(stamp);
+  for (const int camera : taken) {
+    if (!simulation_.cameras()[camera].takenFrame()) {
+      publishCamera(camera, stamp, simulation_.cameraPose(camera), simulation_.cameraTwist(camera));
+    }
+    publishImage(camera);
+  }
+  return taken;
+}
+
+/** What belongs to the images that are on their way, or went out just now, in the order of their stamps. */
+void StatePublisher::publishLate() {
+  std::multimap<std::int64_t, std::pair<int, const ExposedFrame*>> frames;
+  for (std::size_t k = 0; k < cameras_.size(); ++k) {
+    for (const ExposedFrame* frame : simulation_.cameras()[static_cast<int>(k)].lateFrames()) {
+      frames.emplace(frame->tick(), std::make_pair(static_cast<int>(k), frame));
+    }
+  }
+  for (const auto& [tick, entry] : frames) {
+    const auto& [camera, frame] = entry;
+    const ros::Time stamp = time_.at(tick * simulation_.periodNs());
+    publishJoints(stamp, frame->q, frame->v, frame->efforts, true);
+    publishCamera(camera, stamp, frame->present.X_WC, frame->V_WC_C);
+  }
 }
 
 }  // namespace aras_visual_servo_sim

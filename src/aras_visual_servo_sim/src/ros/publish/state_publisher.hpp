@@ -21,7 +21,6 @@
 #include "convert/parameters.hpp"
 #include "convert/wire_time.hpp"
 #include "geometry_publisher.hpp"
-#include "record/outlet.hpp"
 #include "record/recording.hpp"
 #include "robot_frames.hpp"
 

@@ -4,7 +4,7 @@
 #include <ros/console.h>
 #include <ros/names.h>
 
-#include <algorithm>
+#include "convert/answer.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -31,13 +31,7 @@ Tap& Recording::tap(const std::string& topic) {
 
 bool Recording::onStart(aras_visual_servo_msgs::StartRecording::Request& request,
                         aras_visual_servo_msgs::StartRecording::Response& response) {
-  try {
-    start(request);
-    response.success = true;
-  } catch (const ArasError& error) {
-    response.message = error.what();
-  }
-  return true;
+  return answer(response, [&] { start(request); });
 }
 
 bool Recording::onStop(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {

@@ -1,9 +1,8 @@
-#include "aras_visual_servo_sim/config/place.hpp"
-
 #include <cmath>
 #include <limits>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
+#include "aras_visual_servo_sim/config/section.hpp"
 #include "tools/pan_lift.hpp"
 #include "tools/physics_tools.hpp"
 

@@ -12,8 +12,7 @@
 
 namespace aras_visual_servo_sim {
 
-class MemoryReader;
-class MemoryWriter;
+class Archive;
 
 /** A joint as its controller finds it at the beginning of a period. */
 struct JointNow {
@@ -52,9 +51,8 @@ class Controller {
   /** @param time_s  of the period's beginning  @param targets  to be filled, one for each drive */
   virtual void update(double, double, const std::vector<JointNow>&, std::vector<JointTarget>&) {}
 
-  /** Everything on which its future depends besides the drives. */
-  virtual void save(MemoryWriter&) const {}
-  virtual void restore(MemoryReader&) {}
+  /** Writes or reads everything on which its future depends besides the drives. */
+  virtual void visit(Archive&) {}
 
  private:
   std::string name_, type_;

@@ -44,10 +44,8 @@ class ControllerSet {
   /** @throws UnknownNameError */
   Entry& entry(const std::string& name, const char* to_do);
 
-  /** Everything, parameters too. */
-  void save(MemoryWriter& out) const;
-  /** @throws StateError */
-  static ControllerSet restored(MemoryReader& in, const RobotModel& model);
+  /** Writes or reads everything, parameters too. @throws StateError */
+  void visit(Archive& archive, const RobotModel& model);
 
  private:
   Entry* find(const std::string& name);

@@ -8,8 +8,7 @@
 
 namespace aras_visual_servo_sim {
 
-/** A joint that closes until it is where it should be or something stops it: ros_controllers' GripperActionController.
- */
+/** A joint that closes until it reaches its goal or something stops it: ros_controllers' GripperActionController. */
 class GripperController : public Controller {
  public:
   struct Settings {
@@ -35,12 +34,9 @@ class GripperController : public Controller {
   bool acts() const override { return true; }
   void update(double time_s, double dt_s, const std::vector<JointNow>& joints,
               std::vector<JointTarget>& targets) override;
-  void save(MemoryWriter& out) const override;
-  void restore(MemoryReader& in) override;
+  void visit(Archive& archive) override;
 
  private:
-  template <typename Visitor>
-  void visit(Visitor&& visit);
   void hold(const JointNow& joint);
 
   Settings settings_;

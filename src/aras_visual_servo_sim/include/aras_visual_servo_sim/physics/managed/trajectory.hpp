@@ -1,10 +1,13 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace aras_visual_servo_sim {
+
+class Archive;
 
 /** One joint at one instant of a trajectory. */
 struct TrajectoryState {
@@ -30,19 +33,13 @@ class Segment {
   double endS() const { return start_s_ + duration_s_; }
   TrajectoryState at(double time_s) const;
 
-  template <typename Visitor>
-  void visit(Visitor&& visit) {
-    visit(start_s_);
-    visit(duration_s_);
-    for (double& each : c_) visit(each);
-    visit(of_goal);
-  }
-
   bool of_goal = false;  ///< whether the tolerances of the goal hold on it
 
  private:
+  friend void visit(Archive& archive, Segment& segment);
+
   double start_s_ = 0.0, duration_s_ = 0.0;
-  double c_[6] = {};  ///< of the powers of the time since the beginning
+  std::array<double, 6> c_{};  ///< of the powers of the time since the beginning
 };
 
 /** One joint's way: segments in the order of their beginnings. Each acts until the next one begins. */
@@ -86,8 +83,7 @@ struct Trajectory {
 /** The points of a trajectory that lie after now.
  *  @param note  set to what was dropped, if anything that its author did not expect
  *  @return index of the first of them
- *  @throws ParameterError: times that do not increase, numbers that are not finite or missing, all points in the past
- */
+ *  @throws ParameterError: times that do not increase, numbers not finite or missing, all points in the past */
 std::size_t firstPointAfter(const Trajectory& trajectory, double now_s, std::string& note);
 
 /** The multiple of a turn that brings `next` to the position nearest to `previous`. */

@@ -74,8 +74,7 @@ class TrajectoryController : public Controller {
   bool acts() const override { return true; }
   void update(double time_s, double dt_s, const std::vector<JointNow>& joints,
               std::vector<JointTarget>& targets) override;
-  void save(MemoryWriter& out) const override;
-  void restore(MemoryReader& in) override;
+  void visit(Archive& archive) override;
 
  private:
   std::vector<int> places(const std::vector<std::string>& joints) const;

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <deque>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "aras_visual_servo_sim/camera/camera_model.hpp"
@@ -14,9 +16,22 @@
 #include "aras_visual_servo_sim/render/geometry_image.hpp"
 #include "aras_visual_servo_sim/simulation/cameras/exposure.hpp"
 #include "aras_visual_servo_sim/simulation/cameras/frame_plan.hpp"
-#include "aras_visual_servo_sim/simulation/cameras/frames_in_flight.hpp"
+#include "aras_visual_servo_sim/simulation/models/model_set.hpp"
+#include "aras_visual_servo_sim/simulation/time/clock.hpp"
 
 namespace aras_visual_servo_sim {
+
+/** Everything about the instant at which a frame was exposed, so that it can be drawn, and its truth told, later. */
+struct ExposedFrame {
+  std::int64_t index = 0;                                 ///< of the camera's schedule
+  Eigen::VectorXd q, v, efforts;                          ///< of the joints, sorted by name
+  Twist V_WC_C = Twist::Zero();                           ///< of the camera
+  Moment present;                                         ///< where everything was at the end of the exposure
+  std::vector<std::pair<Moment, std::uint32_t>> samples;  ///< what a blurred image is the mean of; none: a sharp one
+  std::shared_ptr<ModelSet> models;  ///< those of that time if models were added or removed since; else null
+
+  std::int64_t tick() const { return present.tick; }
+};
 
 /** One camera in the course of time: which frames it takes, what its shutter has seen, which frames wait for delivery.
  *
@@ -37,8 +52,8 @@ class Camera {
   Twist twist(const MultibodyWorld& robot) const;       ///< V_WC_C
 
   // --- which frames
-  bool late() const { return flight_.late(); }
-  std::int64_t latencyTicks() const { return flight_.latencyTicks(); }
+  bool late() const { return latency_ticks_ > 0; }
+  std::int64_t latencyTicks() const { return latency_ticks_; }
   /** Tick at which the next frame is exposed that was not yet, or kNeverTick. */
   std::int64_t nextExposureTick() const { return plan_.nextTick(); }
   /** Tick at which the next frame can be taken that was neither taken, missed nor dropped, or kNeverTick. */
@@ -48,7 +63,9 @@ class Camera {
   /** True if a frame was taken now. */
   bool frameTaken(std::int64_t now) const;
   /** True if a frame that is neither dropped nor missed is exposed now: without latency the one that is due. */
-  bool frameExposed(std::int64_t now) const { return late() ? flight_.exposedAt(now) : frameDue(now); }
+  bool frameExposed(std::int64_t now) const {
+    return late() ? !in_flight_.empty() && in_flight_.back().tick() == now : frameDue(now);
+  }
   /** See FramePlan::trigger. */
   void trigger(std::int64_t now) { plan_.trigger(now); }
   std::uint64_t droppedFrames() const { return plan_.state().dropped; }
@@ -61,16 +78,17 @@ class Camera {
   /** Takes the frame that is delivered now. @return its tick */
   std::int64_t takeDelivered();
   /** The frame taken at the present tick of a camera with latency; null if there is none, or no latency. */
-  const ExposedFrame* takenFrame() const { return flight_.taken(); }
+  const ExposedFrame* takenFrame() const { return taken_ ? &*taken_ : nullptr; }
   /** The frame taken last and those in flight of a camera with latency, oldest first; none of one without. */
   std::vector<const ExposedFrame*> lateFrames() const;
   /** To be called when time goes on: an image drawn afterwards is not that of a frame taken before. */
   void leaveTick() { unhashed_frame_ = -1; }
   /** To be called when time has reached this tick: frames that could have been taken before it are lost. */
-  void passTo(std::int64_t now) { flight_.passTo(now); }
-  void keepModels(const std::shared_ptr<ModelSet>& models) { flight_.keepModels(models); }
-  bool hasFramesInFlight() const { return !flight_.empty(); }
-  void loseFrames() { flight_.clear(); }
+  void passTo(std::int64_t now);
+  /** To be called before a model is added or removed: frames on their way keep the models they were exposed with. */
+  void keepModels(const std::shared_ptr<ModelSet>& models);
+  bool hasFramesInFlight() const { return !in_flight_.empty() || taken_; }
+  void loseFrames();
   /** Lets the first frame be the first of the schedule at or after this tick, of a camera that has no frame yet. */
   void beginAt(std::int64_t tick) { plan_.setState({plan_.indexFrom(tick)}); }
 
@@ -90,8 +108,7 @@ class Camera {
   // --- the image
   Image image{};
   GeometryImage geometry{};
-  /** Of a camera with a sensor, noise, a Bayer pattern or 16 bits a value what falls on it, of which readOut() makes
-   * the image. */
+  /** What falls on a camera with a sensor, noise, a Bayer pattern or 16 bits a value; readOut() makes the image. */
   FineImage light{};
   bool readsOut() const;
   /** Whether light has to go through focus() before it is read out. */
@@ -116,10 +133,7 @@ class Camera {
     std::deque<ExposedFrame> in_flight;
     Sensor::State sensor{};  ///< what the camera has set by itself
   };
-  const FramePlan::State& plan() const { return plan_.state(); }
-  std::int64_t unhashedFrame() const { return unhashed_frame_; }
-  const std::vector<Moment>& past() const { return exposure_.past(); }
-  const FramesInFlight& flight() const { return flight_; }
+  State state() const;
   void restore(State state);
   /** @throws StateError  no camera of this schedule can be in this state at the tick `now` */
   void check(const State& state, std::int64_t now) const;
@@ -135,7 +149,9 @@ class Camera {
   std::uint64_t noise_seed_;
   FramePlan plan_;
   Exposure exposure_;
-  FramesInFlight flight_;
+  std::int64_t latency_ticks_;
+  std::deque<ExposedFrame> in_flight_;  // exposed and not delivered, oldest first
+  std::optional<ExposedFrame> taken_;
   std::optional<Sensor> sensor_;
   std::vector<CameraModel> rows_;
   FineImage mosaic_;  // scratch

@@ -88,6 +88,8 @@ class Models {
   void reset();
 
  private:
+  template <typename Changed>
+  void changeBoth(const Changed& changed);
   static ModelPlacement at(const MotionRun& run, std::int64_t now_ns);
   void add(ModelSet& set, const SceneEntry& entry, const std::string& yaml) const;
 

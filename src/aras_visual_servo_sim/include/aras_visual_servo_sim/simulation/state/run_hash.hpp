@@ -12,8 +12,7 @@ namespace aras_visual_servo_sim {
  *
  *  Each call of `add` is one record, hashed by XXH3 of xxHash with the hash of the records before it as the seed. XXH3
  *  takes the length in, so that it matters where one record ends, and gives the same on every processor.
- *  The state is one word: it can be saved and restored with the simulation. Not cryptographic.
- */
+ *  The state is one word: it can be saved and restored with the simulation. Not cryptographic. */
 class RunHash {
  public:
   /** Adds one record of `size` bytes. */

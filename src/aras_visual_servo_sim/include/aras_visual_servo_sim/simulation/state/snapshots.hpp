@@ -8,8 +8,7 @@ namespace aras_visual_servo_sim {
 /** Saved states by name, in memory; and as files. */
 class Snapshots {
  public:
-  /** Keeps a state under a name, in place of one that has it. @param name  empty: the first free of state_1, state_2,
-   * ...
+  /** Keeps a state under a name, in place of one that has it. @param name  empty: the first free of state_1, ...
    *  @return the name */
   std::string save(const std::string& name, const std::string& state);
   /** @throws UnknownNameError naming the snapshots there are */

@@ -12,8 +12,7 @@ namespace aras_visual_servo_sim {
  *  with the image's stamp or a later one.
  *
  *  Until the first such command it is unarmed and time runs free. A command counts for an image only if it arrives
- * after the image was sent, whatever its stamp, because an earlier one cannot be an answer to it.
- */
+ * after the image was sent, whatever its stamp, because an earlier one cannot be an answer to it. */
 class LockstepGate {
  public:
   /** @param nodes  nodes that have to answer each image; empty: one answer of any node is enough */

@@ -1,7 +1,6 @@
 #include "articulated_body.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "aras_visual_servo_sim/config/archive.hpp"
 #include "aras_visual_servo_sim/config/types.hpp"
 
 namespace aras_visual_servo_sim {
@@ -43,14 +44,7 @@ class DrivenBase {
   Coordinates positions() const;
 
   /** Reads or writes the whole state. */
-  template <typename Stream>
-  void visit(Stream& stream) {
-    for (int k = 0; k < 3; ++k) stream.value(X_WB_.p[k]);
-    for (int k = 0; k < 4; ++k) stream.value(X_WB_.q.coeffs()[k]);
-    for (int k = 0; k < 6; ++k) stream.value(told_[k]);
-    for (int k = 0; k < 6; ++k) stream.value(moved_[k]);
-    stream.value(expiry_tick_);
-  }
+  void visit(Archive& archive) { archive(X_WB_, told_, moved_, expiry_tick_); }
 
  private:
   Pose X_WB_;

@@ -42,8 +42,7 @@ class FloatingBase {
   /** M_bb^-1 M_bj, (6, n). */
   const Eigen::Matrix<double, 6, Eigen::Dynamic>& response() const { return response_; }
 
-  /** Momentum of what joint `index` carries when it alone moves at unit rate: linear P, and L about the world origin.
-   */
+  /** Momentum of what joint `index` carries when it alone moves at unit rate: P, and L about the world origin. */
   void setColumn(int index, const Eigen::Vector3d& P, const Eigen::Vector3d& L);
 
   /** Takes the base out of M, row-major (n, n), given the rest of the robot as mass, first and second moment about the

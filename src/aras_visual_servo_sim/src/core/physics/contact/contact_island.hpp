@@ -6,6 +6,12 @@
 
 namespace aras_visual_servo_sim {
 
+constexpr double kImmovable = 1e-300;
+// The friction at four corners of a face has more unknowns than a body has sideways motions, so the equations do not
+// say how much each corner carries. This part of the stiffness is added to them; it keeps Newton's step near the
+// previous solution, and leaves about this part of the slip.
+constexpr double kStay = 1e-7;
+
 /** Points of contact that answer to each other's impulses: one problem of its own.
  *
  *  Three rows for each point, the normal first: u = u_free + D lambda. Along the normal
@@ -45,7 +51,7 @@ class ContactIsland {
   void linearizeTangent(int point, bool hold);
   void addAnswer(const Eigen::VectorXd& step);
 
-  // With many points: contact_island_many.cpp
+  // With many points
   struct Branch;
   void factorize();
   void newtonStepMany(bool all_hold);

@@ -20,8 +20,7 @@ struct ContactPoint {
  *  across the normal: two faces cut with each other have points on their edges, and some twice, by rounding. */
 void keepCorners(std::vector<ContactPoint>& points, std::size_t first);
 
-/** Of more than eight points from `first` on leaves four: the deepest, and in turn those farthest from the ones kept.
- */
+/** Of more than eight points from `first` on leaves four: the deepest, then those farthest from the ones kept. */
 void thinOut(std::vector<ContactPoint>& points, std::size_t first);
 
 }  // namespace aras_visual_servo_sim

@@ -6,7 +6,6 @@
 #include <Eigen/Geometry>
 #include <functional>
 #include <memory>
-#include <string>
 #include <utility>
 #include <vector>
 

@@ -7,7 +7,6 @@
 
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "aras_visual_servo_sim/config/section.hpp"
-#include "aras_visual_servo_sim/physics/joint_state_config.hpp"
 
 namespace aras_visual_servo_sim {
 
@@ -21,15 +20,6 @@ const std::vector<std::pair<std::string, ControllerType>>& knownTypes() {
       {"position_controllers/JointPositionController", ControllerType::kPosition},
       {"velocity_controllers/JointVelocityController", ControllerType::kVelocity}};
   return kTypes;
-}
-
-bool hasPid(ControllerType type) {
-  return type == ControllerType::kEffortPosition || type == ControllerType::kEffortVelocity;
-}
-
-const char* interfaceOf(ControllerType type) {
-  if (type == ControllerType::kPosition) return "PositionJointInterface";
-  return type == ControllerType::kVelocity ? "VelocityJointInterface" : "EffortJointInterface";
 }
 
 void checkUse(const SectionCheck& section, const RobotModel& model, std::map<std::string, std::string>& users,
@@ -55,6 +45,11 @@ void checkUse(const SectionCheck& section, const RobotModel& model, std::map<std
 }
 
 }  // namespace
+
+const char* interfaceOf(ControllerType type) {
+  if (type == ControllerType::kPosition) return "PositionJointInterface";
+  return type == ControllerType::kVelocity ? "VelocityJointInterface" : "EffortJointInterface";
+}
 
 /** control_toolbox::Pid::init: the signs of the clamps do not matter. */
 PidGains gainsOf(const PidKeys& pid) {

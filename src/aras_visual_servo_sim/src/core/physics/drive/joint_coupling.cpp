@@ -1,7 +1,6 @@
 #include "joint_coupling.hpp"
 
 #include <Eigen/Cholesky>
-#include <algorithm>
 #include <cmath>
 
 namespace aras_visual_servo_sim {

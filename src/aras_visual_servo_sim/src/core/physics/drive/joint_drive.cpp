@@ -1,6 +1,5 @@
 #include "joint_drive.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -48,7 +47,7 @@ void JointDrive::release() {
 }
 
 void JointDrive::aim(const JointTarget& target) {
-  if (positionControlled()) {
+  if (takesPosition()) {
     commandPosition(target.set_point);
   } else {
     memory_.set_point = controller_.type == ControllerType::kEffort ? target.set_point
@@ -58,19 +57,10 @@ void JointDrive::aim(const JointTarget& target) {
   memory_.effort_limit = target.effort_limit;
 }
 
-bool JointDrive::positionControlled() const {
+bool JointDrive::takesPosition() const {
   return has_controller_ &&
          (controller_.type == ControllerType::kEffortPosition || controller_.type == ControllerType::kPosition);
 }
-
-bool JointDrive::hasPid() const {
-  return has_controller_ &&
-         (controller_.type == ControllerType::kEffortPosition || controller_.type == ControllerType::kEffortVelocity);
-}
-
-bool JointDrive::takesPosition() const { return positionControlled(); }
-bool JointDrive::takesVelocity() const { return has_controller_ && controller_.type != ControllerType::kEffort; }
-bool JointDrive::takesEffort() const { return has_controller_ && controller_.type == ControllerType::kEffort; }
 
 /** Shortest way round for a continuous joint, within the limits for a revolute one. */
 double JointDrive::positionError(double q) const {
@@ -86,7 +76,7 @@ void JointDrive::start(double q) {
   const PidGains gains = memory_.gains;
   memory_ = DriveMemory{};
   memory_.gains = gains;
-  if (positionControlled()) memory_.set_point = clampPosition(joint_.limits, q);
+  if (takesPosition()) memory_.set_point = clampPosition(joint_.limits, q);
   memory_.process_value = controller_.type == ControllerType::kEffortVelocity ? 0.0 : q;
   // An implicit PID is evaluated at the end of a period; its evaluation at the start of the first one is this.
   if (implicit_) memory_.pid.last_error_valid = true;
@@ -99,7 +89,7 @@ void JointDrive::commandPosition(double set_point) {
 
 void JointDrive::commandVelocity(double velocity, std::int64_t expiry_tick) {
   const double clamped = clampVelocity(joint_.enforced, velocity);
-  (positionControlled() ? memory_.velocity_command : memory_.set_point) = clamped;
+  (takesPosition() ? memory_.velocity_command : memory_.set_point) = clamped;
   memory_.expiry_tick = expiry_tick;
 }
 
@@ -111,11 +101,11 @@ void JointDrive::commandEffort(double effort, std::int64_t expiry_tick) {
 /** The velocity commanded at a tick, 0 once the command is too old. */
 double JointDrive::velocityTarget(std::int64_t tick) const {
   if (tick >= memory_.expiry_tick) return 0.0;
-  return positionControlled() ? memory_.velocity_command : memory_.set_point;
+  return takesPosition() ? memory_.velocity_command : memory_.set_point;
 }
 
 void JointDrive::advanceSetPoint(std::int64_t tick) {
-  if (!positionControlled() || memory_.velocity_command == 0.0) return;
+  if (!takesPosition() || memory_.velocity_command == 0.0) return;
   const double velocity = velocityTarget(tick);
   if (velocity == 0.0) {
     memory_.velocity_command = 0.0;
@@ -124,8 +114,7 @@ void JointDrive::advanceSetPoint(std::int64_t tick) {
   memory_.set_point = clampPosition(joint_.limits, memory_.set_point + velocity * dt_s_);
 }
 
-/** The PID at the end of the period as a function of the velocity v there, where the error is `error` - `error_rate` v.
- */
+/** The PID at the end of the period as a function of the velocity v there; the error is `error` - `error_rate` v. */
 ActuatorLaw JointDrive::implicitPid(double error, double error_rate) const {
   const PidGains& gains = memory_.gains;
   const PidState& state = memory_.pid;
@@ -220,7 +209,7 @@ void JointDrive::prepare(double q, double v, std::int64_t tick, JointGraph& grap
   if (controller_.type == ControllerType::kEffortVelocity || controller_.type == ControllerType::kVelocity) {
     memory_.set_point = velocityTarget(tick);
   }
-  error_before_ = positionControlled() ? positionError(q) : 0.0;
+  error_before_ = takesPosition() ? positionError(q) : 0.0;
   const ActuatorLaw actuator = law(q, v, tick);
   const JointLimits& limits = joint_.limits;
   const double v_low = limits.has_position ? (limits.lower - q) / dt_s_ : -kInfinity;
@@ -232,7 +221,7 @@ void JointDrive::evaluate(double error, double process_value, double process_val
   memory_.error = error;
   memory_.process_value = process_value;
   memory_.process_value_dot = process_value_dot;
-  if (!hasPid()) {
+  if (!hasPid(controller_.type)) {
     memory_.command = memory_.set_point;
     return;
   }
@@ -244,7 +233,7 @@ void JointDrive::evaluate(double error, double process_value, double process_val
 
 void JointDrive::finish(double q, double v, double v_before) {
   if (!has_controller_) return;
-  if (!implicit_ && hasPid()) return;  // done in law()
+  if (!implicit_ && hasPid(controller_.type)) return;  // done in law()
   switch (controller_.type) {
     case ControllerType::kEffortPosition:
     case ControllerType::kPosition:

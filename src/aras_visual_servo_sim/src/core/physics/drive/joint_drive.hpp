@@ -36,8 +36,8 @@ class JointDrive {
   bool hasController() const { return has_controller_; }
   const ControllerConfig& controller() const { return controller_; }
   bool takesPosition() const;
-  bool takesVelocity() const;
-  bool takesEffort() const;
+  bool takesVelocity() const { return has_controller_ && controller_.type != ControllerType::kEffort; }
+  bool takesEffort() const { return has_controller_ && controller_.type == ControllerType::kEffort; }
 
   DriveMemory& memory() { return memory_; }
   const DriveMemory& memory() const { return memory_; }
@@ -67,8 +67,6 @@ class JointDrive {
   void finish(double q, double v, double v_before);
 
  private:
-  bool positionControlled() const;
-  bool hasPid() const;
   double positionError(double q) const;
   double velocityTarget(std::int64_t tick) const;
   void advanceSetPoint(std::int64_t tick);

@@ -46,8 +46,7 @@ class JointGraph {
   double lower(int k) const;
 
   /** Where a search that starts at v begins: the segment v lies in, or the point it equals if the graph is vertical
-   * there
-   *  (`vertical` is set then); for a servo always its own point. */
+   *  there (`vertical` is set then); for a servo always its own point. */
   int locate(double v, bool& vertical) const;
 
   /** The actuator's share when the joint ends at v and `total` acts on it. */

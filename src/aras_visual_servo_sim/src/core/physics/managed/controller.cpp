@@ -16,11 +16,6 @@ std::map<std::string, MakeController>& registry() {
   return types;
 }
 
-const char* interfaceName(ControllerType drive) {
-  if (drive == ControllerType::kPosition) return "PositionJointInterface";
-  return drive == ControllerType::kVelocity ? "VelocityJointInterface" : "EffortJointInterface";
-}
-
 }  // namespace
 
 Controller::Controller(std::string name, std::string type, std::vector<ControllerConfig> drives)
@@ -28,7 +23,7 @@ Controller::Controller(std::string name, std::string type, std::vector<Controlle
 
 std::string Controller::hardwareInterface() const {
   return std::string("hardware_interface::") +
-         (drives_.empty() ? "JointStateInterface" : interfaceName(drives_.front().type));
+         (drives_.empty() ? "JointStateInterface" : interfaceOf(drives_.front().type));
 }
 
 RegisterController::RegisterController(const char* type, MakeController make) { registry()[type] = make; }
@@ -48,9 +43,8 @@ std::unique_ptr<Controller> makeController(const std::string& name, const YAML::
   const YAML::Node type = parameters["type"];
   const auto found = type.IsScalar() ? registry().find(type.Scalar()) : registry().end();
   if (found == registry().end()) {
-    std::string known;
-    for (const std::string& each : controllerTypes()) known += (known.empty() ? "" : ", ") + each;
-    throw ParameterError("controller '" + name + "': found type " + YAML::Dump(type) + ", allowed is one of " + known);
+    throw ParameterError("controller '" + name + "': found type " + YAML::Dump(type) + ", allowed is one of " +
+                         joined(controllerTypes()));
   }
   return found->second(name, found->first, parameters, model, warnings);
 }
@@ -73,9 +67,7 @@ void checkJoint(const RobotModel& model, const std::string& joint, ControllerTyp
                 FaultList& faults) {
   const auto at = std::find(model.joint_names.begin(), model.joint_names.end(), joint);
   if (at == model.joint_names.end()) {
-    std::string known;
-    for (const std::string& each : model.joint_names) known += (known.empty() ? "" : ", ") + each;
-    return faults.add(controller, "joint '" + joint + "'", "a joint that moves: " + known);
+    return faults.add(controller, "joint '" + joint + "'", "a joint that moves: " + joined(model.joint_names));
   }
   const Joint& found = model.movingJoint(static_cast<int>(at - model.joint_names.begin()));
   if (found.mimic.joint >= 0) {
@@ -83,11 +75,9 @@ void checkJoint(const RobotModel& model, const std::string& joint, ControllerTyp
                       "the joint that it follows, '" + model.joints[found.mimic.joint].name + "'");
   }
   const auto& interfaces = found.hardware_interfaces;
-  if (std::find(interfaces.begin(), interfaces.end(), interfaceName(drive)) != interfaces.end()) return;
-  std::string has;
-  for (const std::string& each : interfaces) has += (has.empty() ? "" : ", ") + each;
-  faults.add(controller + ": could not find joint '" + joint + "' in 'hardware_interface::" + interfaceName(drive) +
-             "': its <transmission> says " + (has.empty() ? "nothing" : has));
+  if (std::find(interfaces.begin(), interfaces.end(), interfaceOf(drive)) != interfaces.end()) return;
+  faults.add(controller + ": could not find joint '" + joint + "' in 'hardware_interface::" + interfaceOf(drive) +
+             "': its <transmission> says " + (interfaces.empty() ? "nothing" : joined(interfaces)));
 }
 
 std::string interfaceOfType(const std::string& type) {

@@ -4,8 +4,7 @@
 #include <aras_visual_servo_common/files.hpp>
 #include <utility>
 
-#include "aras_visual_servo_sim/config/errors.hpp"
-#include "aras_visual_servo_sim/physics/managed/memory.hpp"
+#include "aras_visual_servo_sim/config/archive.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -92,36 +91,24 @@ ControllerSet::Switch ControllerSet::plan(const std::vector<std::string>& start,
   return result;
 }
 
-void ControllerSet::save(MemoryWriter& out) const {
-  out.put<std::uint64_t>(entries_.size());
-  for (const Entry& entry : entries_) {
-    out.put(entry.controller->name());
-    out.put(YAML::Dump(entry.parameters));
-    out.put(entry.running);
-    out.put(entry.ran);
-    entry.controller->save(out);
-  }
-}
-
-ControllerSet ControllerSet::restored(MemoryReader& in, const RobotModel& model) {
-  ControllerSet set;
+void ControllerSet::visit(Archive& archive, const RobotModel& model) {
+  std::uint64_t count = entries_.size();
+  archive(count);
+  if (archive.reads()) entries_.clear();
   try {
-    for (auto left = in.count(); left > 0; --left) {
-      std::string name, parameters;
-      in.get(name);
-      in.get(parameters);
-      set.load(name, parseYaml(parameters, kMostFileYaml), model);
-      Entry& entry = set.entries_.back();
-      in.get(entry.running);
-      in.get(entry.ran);
-      entry.controller->restore(in);
+    for (std::uint64_t k = 0; k < count; ++k) {
+      std::string name = archive.reads() ? "" : entries_[k].controller->name();
+      std::string parameters = archive.reads() ? "" : YAML::Dump(entries_[k].parameters);
+      archive(name, parameters);
+      if (archive.reads()) load(name, parseYaml(parameters, kMostFileYaml), model);
+      archive(entries_[k].running, entries_[k].ran);
+      entries_[k].controller->visit(archive);
     }
   } catch (const StateError&) {
     throw;
   } catch (const std::exception& error) {
     throw StateError(std::string("saved state of controllers: ") + error.what());
   }
-  return set;
 }
 
 }  // namespace aras_visual_servo_sim

@@ -3,9 +3,8 @@
 #include <cmath>
 #include <utility>
 
-#include "aras_visual_servo_sim/config/errors.hpp"
+#include "aras_visual_servo_sim/config/archive.hpp"
 #include "aras_visual_servo_sim/config/section.hpp"
-#include "aras_visual_servo_sim/physics/managed/memory.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -90,21 +89,8 @@ void GripperController::update(double time_s, double, const std::vector<JointNow
   if (drives().front().type != ControllerType::kPosition) targets.front().effort_limit = effort_;
 }
 
-template <typename Visitor>
-void GripperController::visit(Visitor&& visit) {
-  visit(state_);
-  visit(goals_);
-  for (double* value : {&position_, &effort_, &moved_s_, &last_.position, &last_.velocity, &last_.effort}) {
-    visit(*value);
-  }
-}
-
-void GripperController::save(MemoryWriter& out) const {
-  const_cast<GripperController*>(this)->visit([&out](const auto& value) { out.put(value); });
-}
-
-void GripperController::restore(MemoryReader& in) {
-  visit([&in](auto& value) { in.get(value); });
+void GripperController::visit(Archive& archive) {
+  archive(state_, goals_, position_, effort_, moved_s_, last_.position, last_.velocity, last_.effort);
 }
 
 }  // namespace aras_visual_servo_sim

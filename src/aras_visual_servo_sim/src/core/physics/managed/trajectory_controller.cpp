@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <utility>
 
+#include "aras_visual_servo_sim/config/archive.hpp"
 #include "aras_visual_servo_sim/config/errors.hpp"
-#include "aras_visual_servo_sim/physics/managed/memory.hpp"
+#include "aras_visual_servo_sim/config/section.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -46,19 +48,16 @@ std::vector<std::string> TrajectoryController::joints() const {
 std::vector<int> TrajectoryController::places(const std::vector<std::string>& named) const {
   const std::vector<std::string> own = joints();
   std::vector<int> places;
-  std::string found, known;
   bool fits = !named.empty() && (settings_.partial_joints ? named.size() <= own.size() : named.size() == own.size());
   for (const std::string& joint : named) {
     const auto at = std::find(own.begin(), own.end(), joint);
     const int place = static_cast<int>(at - own.begin());
     fits = fits && at != own.end() && std::count(places.begin(), places.end(), place) == 0;
     places.push_back(place);
-    found += (found.empty() ? "" : ", ") + joint;
   }
   if (fits) return places;
-  for (const std::string& joint : own) known += (known.empty() ? "" : ", ") + joint;
   throw ParameterError("Cannot create trajectory from message. It does not contain the expected joints: found " +
-                       (found.empty() ? "none" : found) + ", allowed are " + known +
+                       (named.empty() ? "none" : joined(named)) + ", allowed are " + joined(own) +
                        (settings_.partial_joints ? " or some of them" : ", all of them"));
 }
 
@@ -215,86 +214,82 @@ void TrajectoryController::judge(double time_s) {
 
 // --- the whole state ------------------------------------------------------------------------------------------------
 
-void TrajectoryController::save(MemoryWriter& out) const {
-  const auto put = [&out](const auto& value) { out.put(value); };
-  const auto put_tolerances = [&out](const std::vector<Tolerance>& tolerances) {
-    out.put<std::uint64_t>(tolerances.size());
-    for (const Tolerance& each : tolerances) {
-      for (const double value : {each.position, each.velocity, each.acceleration}) out.put(value);
-    }
-  };
-  out.put<std::uint64_t>(paths_.size());
-  for (JointPath path : paths_) {
-    out.put<std::uint64_t>(path.segments().size());
-    for (Segment& segment : path.segments()) segment.visit(put);
-  }
-  for (const JointReport& report : report_) {
-    for (const TrajectoryState* state : {&report.desired, &report.actual, &report.error}) {
-      for (const double value : {state->position, state->velocity, state->acceleration}) out.put(value);
-    }
-  }
-  for (const Pid& pid : pids_) {
-    const PidState& state = pid.state();
-    for (const double value : {state.error, state.last_error, state.error_dot, state.integral, state.command}) {
-      out.put(value);
-    }
-    out.put(state.last_error_valid);
-  }
-  out.put(goal_state_);
-  out.put(goal_error_);
-  out.put(goals_);
-  put_tolerances(path_tolerance_);
-  put_tolerances(goal_tolerance_);
-  out.put(goal_time_s_);
-  out.put<std::uint64_t>(arrived_.size());
-  for (const bool each : arrived_) out.put(each);
+void visit(Archive& archive, Segment& segment) {
+  archive(segment.start_s_, segment.duration_s_, segment.c_, segment.of_goal);
 }
 
-void TrajectoryController::restore(MemoryReader& in) {
-  const auto get = [&in](auto& value) { in.get(value); };
-  const auto get_tolerances = [&in](std::vector<Tolerance>& tolerances) {
-    tolerances.clear();
-    for (auto left = in.count(); left > 0; --left) {
-      Tolerance each;
-      for (double* value : {&each.position, &each.velocity, &each.acceleration}) in.get(*value);
-      tolerances.push_back(each);
-    }
-  };
-  paths_.clear();
-  for (auto left = in.count(); left > 0; --left) {
-    JointPath path;
-    for (auto segments = in.count(); segments > 0; --segments) {
-      Segment segment;
-      segment.visit(get);
-      path.add(segment);
-    }
-    paths_.push_back(std::move(path));
-  }
-  for (JointReport& report : report_) {
-    for (TrajectoryState* state : {&report.desired, &report.actual, &report.error}) {
-      for (double* value : {&state->position, &state->velocity, &state->acceleration}) in.get(*value);
-    }
-  }
+void visit(Archive& archive, JointPath& path) { archive(path.segments()); }
+
+void visit(Archive& archive, Tolerance& tolerance) {
+  archive(tolerance.position, tolerance.velocity, tolerance.acceleration);
+}
+
+void visit(Archive& archive, TrajectoryState& state) { archive(state.position, state.velocity, state.acceleration); }
+
+void TrajectoryController::visit(Archive& archive) {
+  archive(paths_);
+  for (JointReport& report : report_) archive(report.desired, report.actual, report.error);
   for (Pid& pid : pids_) {
-    PidState state;
-    for (double* value : {&state.error, &state.last_error, &state.error_dot, &state.integral, &state.command}) {
-      in.get(*value);
-    }
-    in.get(state.last_error_valid);
+    PidState state = pid.state();
+    archive(state.error, state.last_error, state.error_dot, state.integral, state.command, state.last_error_valid);
     pid.setState(state);
   }
-  in.get(goal_state_);
-  in.get(goal_error_);
-  in.get(goals_);
-  get_tolerances(path_tolerance_);
-  get_tolerances(goal_tolerance_);
-  in.get(goal_time_s_);
-  arrived_.clear();
-  for (auto left = in.count(); left > 0; --left) {
-    bool each = false;
-    in.get(each);
-    arrived_.push_back(each);
-  }
+  archive(goal_state_, goal_error_, goals_, path_tolerance_, goal_tolerance_, goal_time_s_, arrived_);
 }
+
+namespace {
+
+ControllerType driveOf(const std::string& type) {
+  const std::string interface = interfaceOfType(type);
+  if (interface == "Position") return ControllerType::kPosition;
+  return interface == "Velocity" ? ControllerType::kVelocity : ControllerType::kEffortPosition;
+}
+
+std::unique_ptr<Controller> make(const std::string& name, const std::string& type, const YAML::Node& parameters,
+                                 const RobotModel& model, std::vector<std::string>& warnings) {
+  std::vector<ControllerConfig> drives;
+  const auto keys = readController<TrajectoryControllerConfig>(
+      parameters, name, warnings, [&](const TrajectoryControllerConfig& given, const SectionCheck& section) {
+        for (const std::string& joint : given.joints) {
+          ControllerConfig drive;
+          drive.name = name + "/gains/" + joint;
+          drive.type = driveOf(type);
+          drive.joint = joint;
+          checkJoint(model, joint, drive.type, name, section.faults());
+          drives.push_back(std::move(drive));
+        }
+      });
+  TrajectoryController::Settings settings;
+  settings.goal_time_s = keys.constraints.goal_time;
+  settings.stop_duration_s = keys.stop_trajectory_duration;
+  settings.state_rate_hz = keys.state_publish_rate;
+  settings.monitor_rate_hz = keys.action_monitor_rate;
+  settings.partial_joints = keys.allow_partial_joints_goal;
+  for (ControllerConfig& drive : drives) {
+    const std::string& joint = drive.joint;
+    if (drive.type != ControllerType::kPosition) {
+      if (const auto gains = keys.gains.find(joint); gains != keys.gains.end()) {
+        drive.gains = gainsOf(gains->second);
+      } else {
+        warnings.push_back(drive.name + ": is missing, so this joint follows nothing");
+      }
+    }
+    const auto found = keys.constraints.others.find(joint);
+    const JointConstraints limits = found == keys.constraints.others.end() ? JointConstraints() : found->second;
+    const auto forward = keys.velocity_ff.find(joint);
+    settings.path.push_back({limits.trajectory, 0.0, 0.0});
+    settings.goal.push_back({limits.goal, keys.constraints.stopped_velocity_tolerance, 0.0});
+    settings.velocity_gain.push_back(forward == keys.velocity_ff.end() ? 0.0 : forward->second);
+    settings.continuous.push_back(model.movingJoint(model.jointIndex(joint)).type == JointType::kContinuous);
+  }
+  return std::make_unique<TrajectoryController>(name, type, std::move(drives), std::move(settings));
+}
+
+const RegisterController kTypes[] = {{"effort_controllers/JointTrajectoryController", make},
+                                     {"position_controllers/JointTrajectoryController", make},
+                                     {"velocity_controllers/JointTrajectoryController", make},
+                                     {"pos_vel_controllers/JointTrajectoryController", make}};
+
+}  // namespace
 
 }  // namespace aras_visual_servo_sim

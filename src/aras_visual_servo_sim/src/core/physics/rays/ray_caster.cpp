@@ -146,63 +146,59 @@ RayCaster::RayCaster() = default;
 RayCaster::~RayCaster() = default;
 RayCaster::RayCaster(RayCaster&&) noexcept = default;
 
-int RayCaster::append(std::unique_ptr<Shape> shape) {
-  shape->X_WS = shape->X_BS;
-  shapes_.push_back(std::move(shape));
+/** Adds a shape of a kind to a body. @return its number */
+int RayCaster::append(Shape shape, int body, const Pose& X_BS) {
+  shape.body = body;
+  shape.X_BS = shape.X_WS = X_BS;
+  shapes_.push_back(std::make_unique<Shape>(std::move(shape)));
   return static_cast<int>(shapes_.size()) - 1;
 }
 
 int RayCaster::add(int body, const Geometry& geometry, const Pose& X_BS) {
-  auto shape = std::make_unique<Shape>();
-  shape->body = body;
-  shape->geometry = geometry;
-  shape->X_BS = X_BS;
+  Shape shape;
+  shape.geometry = geometry;
   switch (geometry.type) {
     case Geometry::Type::kBox:
-      shape->reach_m = geometry.size_m.minCoeff() > 0.0 ? 0.5 * geometry.size_m.norm() : 0.0;
+      shape.reach_m = geometry.size_m.minCoeff() > 0.0 ? 0.5 * geometry.size_m.norm() : 0.0;
       break;
     case Geometry::Type::kCylinder:
-      shape->reach_m = std::min(geometry.radius_m, geometry.length_m) > 0.0
-                           ? std::hypot(geometry.radius_m, 0.5 * geometry.length_m)
-                           : 0.0;
+      shape.reach_m = std::min(geometry.radius_m, geometry.length_m) > 0.0
+                          ? std::hypot(geometry.radius_m, 0.5 * geometry.length_m)
+                          : 0.0;
       break;
     case Geometry::Type::kSphere:
-      shape->reach_m = geometry.radius_m;
+      shape.reach_m = geometry.radius_m;
       break;
     default:
       throw ModelError("rays: found another shape, allowed are a box, a cylinder or a sphere");
   }
-  if (!(shape->reach_m > 0.0) || !std::isfinite(shape->reach_m)) {
+  if (!(shape.reach_m > 0.0) || !std::isfinite(shape.reach_m)) {
     throw ModelError("rays: found a shape whose size is not positive, must be > 0");
   }
-  return append(std::move(shape));
+  return append(std::move(shape), body, X_BS);
 }
 
 int RayCaster::addPlane(int body, const Pose& X_BS) {
-  auto shape = std::make_unique<Shape>();
-  shape->body = body;
-  shape->kind = Shape::Kind::kPlane;
-  shape->X_BS = X_BS;
-  return append(std::move(shape));
+  Shape shape;
+  shape.kind = Shape::Kind::kPlane;
+  return append(std::move(shape), body, X_BS);
 }
 
 int RayCaster::addMesh(int body, const std::vector<Triangle>& triangles, const Pose& X_BS) {
   if (triangles.empty()) throw ModelError("rays: found a mesh of no triangles, must have one or more");
-  auto shape = std::make_unique<Shape>();
-  shape->body = body;
-  shape->kind = Shape::Kind::kMesh;
-  shape->X_BS = X_BS;
-  shape->reach_m = 0.0;
-  shape->triangles = std::make_unique<btTriangleMesh>();
+  Shape shape;
+  shape.kind = Shape::Kind::kMesh;
+  shape.reach_m = 0.0;
+  shape.triangles = std::make_unique<btTriangleMesh>();
   for (const Triangle& corners : triangles) {
     for (const Vector3d& corner : corners) {
       checkFinite(corner.allFinite(), "a corner of a mesh");
-      shape->reach_m = std::max(shape->reach_m, corner.norm());
+      shape.reach_m = std::max(shape.reach_m, corner.norm());
     }
-    shape->triangles->addTriangle(toBullet(corners[0]), toBullet(corners[1]), toBullet(corners[2]));
+    shape.triangles->addTriangle(toBullet(corners[0]), toBullet(corners[1]), toBullet(corners[2]));
   }
-  shape->tree = std::make_unique<btBvhTriangleMeshShape>(shape->triangles.get(), true);
-  return append(std::move(shape));
+  shape.tree = std::make_unique<btBvhTriangleMeshShape>(shape.triangles.get(), true);
+  return append(std::move(shape), body, X_BS);
 }
 
 void RayCaster::place(int body, const Pose& X_WB) {

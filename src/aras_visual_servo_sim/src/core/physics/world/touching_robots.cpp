@@ -2,78 +2,58 @@
 
 #include <algorithm>
 
-#include "world_impl.hpp"
+#include "physics/body/articulated_body.hpp"
+#include "physics/contact/world_contacts.hpp"
+#include "physics/drive/joint_coupling.hpp"
+#include "physics/drive/joint_solver.hpp"
 
 namespace aras_visual_servo_sim {
 
-class TouchingRobots::Impl {
- public:
-  explicit Impl(const std::vector<MultibodyWorld*>& robots) {
-    for (MultibodyWorld* robot : robots) robots_.push_back(robot->impl_.get());
-  }
-
-  void step();
-
- private:
-  /** A point between two robots; its bodies are those of robot a and of robot b. */
-  struct Crossing {
-    std::size_t a, b;
-    ContactPoint point;
-    std::size_t mover;  // a, or b if the body of a does not move
-    bool both_move;
-  };
-
-  bool touchesOther(std::size_t robot) const;
-  void findPoints();
-  void findBetween(std::size_t a, std::size_t b, const Eigen::AlignedBox3d& near);
-  std::vector<ContactPoint> pointsOf(std::size_t robot, const std::vector<Crossing>& all) const;
-  void solveIsland(std::size_t island);
-
-  std::vector<MultibodyWorld::Impl*> robots_;
-  std::vector<Eigen::AlignedBox3d> boxes_;
-  std::vector<std::size_t> island_;  // of each robot: the first robot that it is connected to by points
-  std::vector<Crossing> crossings_;
-  std::vector<ContactPoint> points_;
+/** A point between two robots; its bodies are those of robot a and of robot b. */
+struct TouchingRobots::Crossing {
+  std::size_t a, b;
+  ContactPoint point;
+  std::size_t mover;  // a, or b if the body of a does not move
+  bool both_move;
 };
 
-TouchingRobots::TouchingRobots(const std::vector<MultibodyWorld*>& robots) : impl_(std::make_unique<Impl>(robots)) {}
+TouchingRobots::TouchingRobots(const std::vector<MultibodyWorld*>& robots) : robots_(robots) {}
 TouchingRobots::~TouchingRobots() = default;
-void TouchingRobots::step() { impl_->step(); }
 
-void TouchingRobots::Impl::step() {
-  for (MultibodyWorld::Impl* robot : robots_) {
-    if (!robot->driven) {
+void TouchingRobots::step() {
+  for (MultibodyWorld* robot : robots_) {
+    if (!robot->driven_) {
       robot->beginStep();
-    } else if (robot->contacts) {
-      robot->contacts->find(robot->body);
+    } else if (robot->contacts_) {
+      robot->contacts_->find(*robot->body_);
     }
   }
   findPoints();
   for (std::size_t i = 0; i < robots_.size(); ++i) {
-    if (island_[i] != i || robots_[i]->driven) continue;
+    if (island_[i] != i || robots_[i]->driven_) continue;
     touchesOther(i) ? solveIsland(i) : robots_[i]->solveStep();
   }
-  for (MultibodyWorld::Impl* robot : robots_) robot->driven ? robot->step() : robot->finishStep();
+  for (MultibodyWorld* robot : robots_) robot->driven_ ? robot->advance() : robot->finishStep();
 }
 
-bool TouchingRobots::Impl::touchesOther(std::size_t robot) const {
+bool TouchingRobots::touchesOther(std::size_t robot) const {
   return std::any_of(crossings_.begin(), crossings_.end(),
                      [&](const Crossing& each) { return island_[each.mover] == island_[robot]; });
 }
 
 /** Finds the points between robots. A body that does not move, as a table, connects no robots. */
-void TouchingRobots::Impl::findPoints() {
+void TouchingRobots::findPoints() {
   crossings_.clear();
   boxes_.assign(robots_.size(), Eigen::AlignedBox3d());
   island_.resize(robots_.size());
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     island_[i] = i;
-    WorldContacts* mine = robots_[i]->contacts.get();
+    WorldContacts* mine = robots_[i]->contacts_.get();
     if (!mine) continue;
     boxes_[i] = mine->shapes().boxAround(mine->sharedBodies());
     for (std::size_t j = 0; j < i; ++j) {
       const Eigen::AlignedBox3d near = boxes_[i].intersection(boxes_[j]);
-      if (!near.isEmpty() && !(robots_[i]->driven && robots_[j]->driven)) findBetween(j, i, near);
+      if (!near.isEmpty() && !(robots_[i]->driven_ && robots_[j]->driven_)) findBetween(j, i, near);
     }
   }
   for (const Crossing& each : crossings_) {
@@ -84,21 +64,21 @@ void TouchingRobots::Impl::findPoints() {
   }
 }
 
-void TouchingRobots::Impl::findBetween(std::size_t a, std::size_t b, const Eigen::AlignedBox3d& near) {
-  WorldContacts& one = *robots_[a]->contacts;
-  WorldContacts& other = *robots_[b]->contacts;
+void TouchingRobots::findBetween(std::size_t a, std::size_t b, const Eigen::AlignedBox3d& near) {
+  WorldContacts& one = *robots_[a]->contacts_;
+  WorldContacts& other = *robots_[b]->contacts_;
   points_.clear();
   one.shapes().findWith(
       other.shapes(), one.sharedBodies(), other.sharedBodies(), near,
       [&](int here, int there) { return std::min(one.frictionBeyond(here), other.frictionBeyond(there)); }, points_);
   for (const ContactPoint& point : points_) {
-    const bool a_moves = one.moves(point.a, robots_[a]->body), b_moves = other.moves(point.b, robots_[b]->body);
+    const bool a_moves = one.moves(point.a, *robots_[a]->body_), b_moves = other.moves(point.b, *robots_[b]->body_);
     if (a_moves || b_moves) crossings_.push_back({a, b, point, a_moves ? a : b, a_moves && b_moves});
   }
 }
 
 /** Returns all points of an island as one of its robots has them. */
-std::vector<ContactPoint> TouchingRobots::Impl::pointsOf(std::size_t robot, const std::vector<Crossing>& all) const {
+std::vector<ContactPoint> TouchingRobots::pointsOf(std::size_t robot, const std::vector<Crossing>& all) const {
   std::vector<ContactPoint> points;
   for (const Crossing& each : all) {
     ContactPoint point = each.point;
@@ -109,15 +89,15 @@ std::vector<ContactPoint> TouchingRobots::Impl::pointsOf(std::size_t robot, cons
   return points;
 }
 
-void TouchingRobots::Impl::solveIsland(std::size_t island) {
+void TouchingRobots::solveIsland(std::size_t island) {
   std::vector<std::size_t> members;
   std::vector<Crossing> all;
   Eigen::Index n = 0;
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     if (island_[i] != island) continue;
     members.push_back(i);
-    n += robots_[i]->coupling.coordinates();
-    for (const ContactPoint& point : robots_[i]->contacts->points()) all.push_back({i, i, point, i, true});
+    n += robots_[i]->coupling_->coordinates();
+    for (const ContactPoint& point : robots_[i]->contacts_->points()) all.push_back({i, i, point, i, true});
   }
   for (const Crossing& each : crossings_) {
     if (island_[each.mover] == island) all.push_back(each);
@@ -136,33 +116,33 @@ void TouchingRobots::Impl::solveIsland(std::size_t island) {
   Eigen::VectorXd v(n), v_free(n), effort(n);
   Eigen::Index first = 0;
   for (const std::size_t i : members) {
-    MultibodyWorld::Impl& robot = *robots_[i];
-    const Eigen::Index count = robot.coupling.coordinates();
-    robot.contacts->share(pointsOf(i, all));
-    robot.contacts->arrange(robot.body, robot.coupling, robot.v_free);
-    sum.J.middleCols(first, count) = robot.contacts->rows().J;
-    sum.S += robot.contacts->rows().S;
-    sum.u0 += robot.contacts->rows().u0;
+    MultibodyWorld& robot = *robots_[i];
+    const Eigen::Index count = robot.coupling_->coordinates();
+    robot.contacts_->share(pointsOf(i, all));
+    robot.contacts_->arrange(*robot.body_, *robot.coupling_, robot.v_free_);
+    sum.J.middleCols(first, count) = robot.contacts_->rows().J;
+    sum.S += robot.contacts_->rows().S;
+    sum.u0 += robot.contacts_->rows().u0;
     for (Eigen::Index k = 0; k < count; ++k) {
       std::copy_n(robot.massUsed().begin() + k * count, count, M.begin() + (first + k) * n + first);
     }
-    graphs.insert(graphs.end(), robot.graphs.begin(), robot.graphs.end());
-    v.segment(first, count) = robot.v_next;
+    graphs.insert(graphs.end(), robot.graphs_.begin(), robot.graphs_.end());
+    v.segment(first, count) = robot.v_next_;
     v_free.segment(first, count) = robot.freeUsed();
     first += count;
   }
-  const MultibodyWorld::Impl& leader = *robots_[members.front()];
-  ContactSolver solver(leader.contacts->config().stiffness_n_per_m, leader.contacts->config().damping_n_s_per_m);
+  const MultibodyWorld& leader = *robots_[members.front()];
+  ContactSolver solver(leader.contacts_->config().stiffness_n_per_m, leader.contacts_->config().damping_n_s_per_m);
   JointSolver joints(static_cast<int>(n));
-  const Eigen::VectorXd& lambda = solver.solve(sum, M, v_free, graphs, leader.config.period_s, joints, v, effort);
+  const Eigen::VectorXd& lambda = solver.solve(sum, M, v_free, graphs, leader.config_.period_s, joints, v, effort);
   first = 0;
   for (const std::size_t i : members) {
-    MultibodyWorld::Impl& robot = *robots_[i];
-    const Eigen::Index count = robot.coupling.coordinates();
-    robot.contacts->take(lambda);
-    robot.unsettled_steps += solver.settled() ? 0 : 1;
-    robot.v_next = v.segment(first, count);
-    robot.total = effort.segment(first, count);
+    MultibodyWorld& robot = *robots_[i];
+    const Eigen::Index count = robot.coupling_->coordinates();
+    robot.contacts_->take(lambda);
+    robot.unsettled_steps_ += solver.settled() ? 0 : 1;
+    robot.v_next_ = v.segment(first, count);
+    robot.total_ = effort.segment(first, count);
     first += count;
   }
 }

@@ -1,26 +1,14 @@
-#include <algorithm>
 #include <sstream>
 
 #include "aras_visual_servo_sim/config/section.hpp"
 #include "robot/gazebo/gazebo_tags.hpp"
-#include "robot/urdf_text.hpp"
+#include "robot/urdf_check.hpp"
 
 namespace aras_visual_servo_sim {
 
 using tinyxml2::XMLElement;
 
 namespace {
-
-bool isAmong(const std::string& word, std::initializer_list<const char*> words) {
-  return std::any_of(words.begin(), words.end(), [&](const char* each) { return word == each; });
-}
-
-void warnOfOthers(const UrdfSource& source, const XMLElement* parent, std::initializer_list<const char*> known) {
-  if (!parent) return;
-  for (const XMLElement* child = parent->FirstChildElement(); child; child = child->NextSiblingElement()) {
-    if (!isAmong(child->Name(), known)) source.warn(*child, "in <" + std::string(parent->Name()) + ">: ignored");
-  }
-}
 
 Pose readPose(const UrdfSource& source, const XMLElement* element) {
   Pose pose;

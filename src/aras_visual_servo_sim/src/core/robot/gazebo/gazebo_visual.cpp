@@ -2,10 +2,9 @@
 #include <cmath>
 #include <sstream>
 #include <string>
-#include <vector>
 
 #include "robot/gazebo/gazebo_tags.hpp"
-#include "robot/urdf_text.hpp"
+#include "robot/urdf_check.hpp"
 
 namespace aras_visual_servo_sim {
 
@@ -32,9 +31,8 @@ Rgba colorOf(const UrdfSource& source, const XMLElement& element) {
 
 /** What a <material> says. Its named material comes first, its colours replace those of it. */
 void paintAs(const UrdfSource& source, const XMLElement& element, Visual& visual) {
-  for (const XMLElement* child = element.FirstChildElement(); child; child = child->NextSiblingElement()) {
-    const std::string tag = child->Name();
-    if (tag != "script") continue;
+  for (const XMLElement* child = element.FirstChildElement("script"); child;
+       child = child->NextSiblingElement("script")) {
     const std::string name = childText(child, "name");
     if (const auto found = gazeboMaterial(name)) {
       paint(*found, visual);
@@ -56,12 +54,7 @@ void paintAs(const UrdfSource& source, const XMLElement& element, Visual& visual
   if (ambient) visual.finish.ambient = colorOf(source, *ambient);
   if (const XMLElement* specular = given("specular")) visual.finish.specular = colorOf(source, *specular);
   if (const XMLElement* emissive = given("emissive")) visual.finish.emissive = colorOf(source, *emissive);
-  for (const XMLElement* child = element.FirstChildElement(); child; child = child->NextSiblingElement()) {
-    static const std::vector<std::string> kUsed = {"script", "diffuse", "ambient", "specular", "emissive"};
-    if (std::find(kUsed.begin(), kUsed.end(), child->Name()) == kUsed.end()) {
-      source.warn(*child, "in <material>: ignored");
-    }
-  }
+  warnOfOthers(source, &element, {"script", "diffuse", "ambient", "specular", "emissive"});
 }
 
 }  // namespace

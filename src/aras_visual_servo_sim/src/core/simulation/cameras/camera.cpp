@@ -1,6 +1,7 @@
 #include "aras_visual_servo_sim/simulation/cameras/camera.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "aras_visual_servo_sim/image/sensor/bayer.hpp"
@@ -46,7 +47,7 @@ Camera::Camera(CameraModel model, int robot, int link, int index, std::uint64_t 
       noise_seed_(seed + kSeedStride * static_cast<std::uint64_t>(index)),
       plan_(model_.config(), period_ns, seed + kDropSeed + static_cast<std::uint64_t>(index)),
       exposure_(exposureOf(model_, period_ns)),
-      flight_(model_.config().latency_s, period_ns) {
+      latency_ticks_((std::llround(1e9 * model_.config().latency_s) + period_ns - 1) / period_ns) {
   const std::optional<SensorConfig>& sensor = model_.config().sensor;
   if (!sensor) return;
   sensor_ = sensorOf(model_, index, noise_seed_);
@@ -71,9 +72,9 @@ Twist Camera::twist(const MultibodyWorld& robot) const {
 }
 
 std::int64_t Camera::nextFrameTick() const {
-  if (!flight_.inFlight().empty()) return flight_.nextDelivery();
+  if (!in_flight_.empty()) return in_flight_.front().tick() + latency_ticks_;
   const std::int64_t exposure = nextExposureTick();
-  return exposure == kNeverTick ? kNeverTick : exposure + latencyTicks();
+  return exposure == kNeverTick ? kNeverTick : exposure + latency_ticks_;
 }
 
 bool Camera::frameTaken(std::int64_t now) const { return late() ? takenFrame() != nullptr : plan_.passedAt(now); }
@@ -91,19 +92,37 @@ void Camera::expose(Moment present, const MultibodyWorld& robot) {
     }
   }
   frame.index = plan_.pass();
-  flight_.expose(std::move(frame));
+  in_flight_.push_back(std::move(frame));
 }
 
 std::int64_t Camera::takeDelivered() {
-  const ExposedFrame& frame = flight_.take();
-  unhashed_frame_ = frame.index;
-  return frame.tick();
+  taken_ = std::move(in_flight_.front());
+  in_flight_.pop_front();
+  unhashed_frame_ = taken_->index;
+  return taken_->tick();
+}
+
+void Camera::passTo(std::int64_t now) {
+  while (!in_flight_.empty() && in_flight_.front().tick() + latency_ticks_ < now) in_flight_.pop_front();
+  if (taken_ && taken_->tick() + latency_ticks_ < now) taken_.reset();
+}
+
+void Camera::keepModels(const std::shared_ptr<ModelSet>& models) {
+  for (ExposedFrame& frame : in_flight_) {
+    if (!frame.models) frame.models = models;
+  }
+  if (taken_ && !taken_->models) taken_->models = models;
+}
+
+void Camera::loseFrames() {
+  in_flight_.clear();
+  taken_.reset();
 }
 
 std::vector<const ExposedFrame*> Camera::lateFrames() const {
   std::vector<const ExposedFrame*> frames;
   if (takenFrame()) frames.push_back(takenFrame());
-  for (const ExposedFrame& frame : flight_.inFlight()) frames.push_back(&frame);
+  for (const ExposedFrame& frame : in_flight_) frames.push_back(&frame);
   return frames;
 }
 
@@ -136,27 +155,28 @@ void Camera::check(const State& state, std::int64_t now) const {
                    std::to_string(plan_.indexFrom(now + 1)) + " at this time");
 }
 
+Camera::State Camera::state() const {
+  State state{plan_.state(), unhashed_frame_, exposure_.past(), taken_, in_flight_, {}};
+  if (sensor_) state.sensor = sensor_->state();
+  return state;
+}
+
 void Camera::restore(State state) {
   plan_.setState(state.plan);
   unhashed_frame_ = state.unhashed_frame;
   exposure_.setPast(std::move(state.past));
-  flight_.restore(std::move(state.taken), std::move(state.in_flight));
+  taken_ = std::move(state.taken);
+  in_flight_ = std::move(state.in_flight);
   if (sensor_) sensor_->restore(std::move(state.sensor));
 }
 
 void Camera::continueFrom(Camera& before, std::int64_t now) {
-  State state;
-  state.plan = before.plan();
-  state.unhashed_frame = before.unhashedFrame();
-  if (late() && before.late()) {
-    if (before.takenFrame()) state.taken = *before.takenFrame();
-    state.in_flight = before.flight().inFlight();
-  }
-  if (sensor_ && sensor_->setsItself() && before.sensor_ && before.sensor_->setsItself()) {
-    state.sensor = before.sensor_->state();
-  }
+  State state = before.state();
+  state.past.clear();
+  if (!(sensor_ && sensor_->setsItself() && before.sensor_ && before.sensor_->setsItself())) state.sensor = {};
   restore(std::move(state));
-  flight_.passTo(now);
+  if (!late()) loseFrames();
+  passTo(now);
   image = std::move(before.image);  // who shows it goes on showing the same memory
   geometry = std::move(before.geometry);
   light = std::move(before.light);

@@ -55,9 +55,8 @@ void Cameras::remove(int robot) {
 int Cameras::index(const std::string& camera) const {
   const auto found = std::find(names_.begin(), names_.end(), camera);
   if (found == names_.end()) {
-    std::string known;
-    for (const std::string& name : names_) known += (known.empty() ? "" : ", ") + name;
-    throw UnknownNameError("camera '" + camera + "': not found, cameras are: " + (known.empty() ? "none" : known));
+    throw UnknownNameError("camera '" + camera +
+                           "': not found, cameras are: " + (names_.empty() ? "none" : joined(names_)));
   }
   return static_cast<int>(found - names_.begin());
 }

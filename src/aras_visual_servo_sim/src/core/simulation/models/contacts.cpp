@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
-#include "aras_visual_servo_sim/physics/hollow_mesh.hpp"
+#include "aras_visual_servo_sim/physics/contact_config.hpp"
 #include "aras_visual_servo_sim/scene/mesh_loader.hpp"
 
 namespace aras_visual_servo_sim {

@@ -1,8 +1,10 @@
 #include "aras_visual_servo_sim/simulation/models/model_set.hpp"
 
 #include <algorithm>
+#include <set>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
+#include "aras_visual_servo_sim/config/section.hpp"
 
 namespace aras_visual_servo_sim {
 
@@ -22,9 +24,8 @@ const Pose& ModelSet::place(const std::string& model) const {
   for (std::size_t k = 0; k < body_links.size(); ++k) {
     if (body_links[k].isSolid() && scene.bodies[k].name == model) return scene.bodies[k].X_WB;
   }
-  std::string known;
-  for (const std::string& name : names()) known += (known.empty() ? "" : ", ") + name;
-  throw UnknownNameError("model '" + model + "' does not exist; models: " + (known.empty() ? "none" : known));
+  const std::vector<std::string> known = names();
+  throw UnknownNameError("model '" + model + "' does not exist; models: " + (known.empty() ? "none" : joined(known)));
 }
 
 Pose& ModelSet::place(const std::string& model) {
@@ -52,11 +53,10 @@ const std::string& ModelSet::carrier(const std::string& model) const {
 }
 
 void ModelSet::checkCarriers(const std::vector<std::string>& links) const {
-  std::string known;
-  for (const std::string& link : links) known += (known.empty() ? "" : ", ") + link;
   for (const PlanarModel& model : scene.models) {
     if (model.carrier.empty() || std::find(links.begin(), links.end(), model.carrier) != links.end()) continue;
-    throw ParameterError("model '" + model.name() + "': attached_to: found " + model.carrier + ", allowed " + known);
+    throw ParameterError("model '" + model.name() + "': attached_to: found " + model.carrier + ", allowed " +
+                         joined(links));
   }
 }
 
@@ -112,6 +112,65 @@ std::vector<SavedModel> ModelSet::saved() const {
     models.push_back({name, entry == spawned.end() ? "" : entry->second, anchored(name), starts.at(name)});
   }
   return models;
+}
+
+namespace {
+
+/** @throws ParameterError unless it is a link or a model */
+void checkCarrier(const Light& light, const ModelSet& set, const std::vector<std::string>& links) {
+  if (light.attached_to.empty() || set.starts.count(light.attached_to) > 0 ||
+      std::find(links.begin(), links.end(), light.attached_to) != links.end()) {
+    return;
+  }
+  std::vector<std::string> known = links;
+  for (const std::string& model : set.names()) known.push_back(model);
+  throw ParameterError("light '" + light.name + "': attached_to: found " + light.attached_to + ", allowed " +
+                       joined(known));
+}
+
+}  // namespace
+
+void checkLights(const ModelSet& set, const std::vector<std::string>& links) {
+  const std::vector<Light>& lights = set.scene.lighting.lights;
+  std::set<std::string> names;
+  for (const Light& light : lights) {
+    checkCarrier(light, set, links);
+    if (!names.insert(light.name).second) {
+      throw ParameterError("light '" + light.name + "': found two of this name, allowed distinct names");
+    }
+  }
+  if (lights.size() > Lighting::kMostLights) {
+    throw ParameterError("lights: found " + std::to_string(lights.size()) + ", allowed up to " +
+                         std::to_string(Lighting::kMostLights));
+  }
+}
+
+ModelSet withLight(const ModelSet& set, const Light& light, const std::vector<std::string>& links) {
+  ModelSet next = set;
+  std::vector<Light>& lights = next.scene.lighting.lights;
+  if (const auto found = next.scene.lighting.find(light.name)) {
+    lights[*found] = light;
+  } else {
+    lights.push_back(light);
+  }
+  checkLights(next, links);
+  return next;
+}
+
+const Light& lightOf(const ModelSet& set, const std::string& name) {
+  const Lighting& lighting = set.scene.lighting;
+  if (const auto found = lighting.find(name)) return lighting.lights[*found];
+  std::string known;
+  for (const Light& light : lighting.lights) known += (known.empty() ? "" : ", ") + light.name;
+  throw UnknownNameError("light '" + name + "' does not exist; lights: " + (known.empty() ? "none" : known));
+}
+
+ModelSet withoutLight(const ModelSet& set, const std::string& name) {
+  lightOf(set, name);  // throws
+  ModelSet next = set;
+  std::vector<Light>& lights = next.scene.lighting.lights;
+  lights.erase(lights.begin() + static_cast<std::ptrdiff_t>(*next.scene.lighting.find(name)));
+  return next;
 }
 
 }  // namespace aras_visual_servo_sim

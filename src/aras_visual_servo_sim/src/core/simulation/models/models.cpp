@@ -5,10 +5,9 @@
 #include <utility>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
-#include "aras_visual_servo_sim/config/place.hpp"
 #include "aras_visual_servo_sim/config/section.hpp"
 #include "aras_visual_servo_sim/scene/scene_loader.hpp"
-#include "aras_visual_servo_sim/simulation/models/lights.hpp"
+#include "aras_visual_servo_sim/simulation/models/model_set.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -36,8 +35,16 @@ Models::Models(const SceneConfig& config, const PackagePaths& packages) : packag
   for (const std::string& name : set_.names()) set_.starts[name] = set_.anchored(name);
 }
 
+/** Changes the present set and that as constructed. Nothing changes if `changed` throws. */
+template <typename Changed>
+void Models::changeBoth(const Changed& changed) {
+  ModelSet next = changed(set_);
+  if (built_) built_ = std::make_shared<const ModelSet>(changed(*built_));
+  set_ = std::move(next);
+}
+
 void Models::addRobot(const RobotModel& robot, const std::string& name, int number) {
-  const auto with = [&](ModelSet set) {
+  changeBoth([&](ModelSet set) {
     const std::size_t first = set.scene.bodies.size();
     addRobotBodies(robot, packages_, set.scene, name);
     int link = 0;
@@ -46,19 +53,14 @@ void Models::addRobot(const RobotModel& robot, const std::string& name, int numb
       set.body_links.push_back({number, link});
     }
     return set;
-  };
-  ModelSet next = with(set_);
-  if (built_) built_ = std::make_shared<const ModelSet>(with(*built_));
-  set_ = std::move(next);
+  });
 }
 
 void Models::removeRobot(int number, const std::vector<std::string>& links) {
-  const auto without = [&](ModelSet set) {
+  changeBoth([&](ModelSet set) {
     set.removeRobot(number, links);
     return set;
-  };
-  if (built_) built_ = std::make_shared<const ModelSet>(without(*built_));
-  set_ = without(std::move(set_));
+  });
 }
 
 void Models::start(std::int64_t now_ns) {
@@ -97,9 +99,7 @@ ModelSet relit(ModelSet set, const SceneConfig& before, const SceneConfig& next,
 }  // namespace
 
 void Models::setLighting(const SceneConfig& before, const SceneConfig& next, const std::vector<std::string>& links) {
-  ModelSet present = relit(set_, before, next, links);
-  if (built_) built_ = std::make_shared<const ModelSet>(relit(*built_, before, next, links));
-  set_ = std::move(present);
+  changeBoth([&](const ModelSet& set) { return relit(set, before, next, links); });
 }
 
 bool Models::anyCarried() const {

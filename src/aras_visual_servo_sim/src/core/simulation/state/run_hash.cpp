@@ -14,8 +14,7 @@ namespace aras_visual_servo_sim {
 
 namespace {
 
-/** Wide registers that XXH3 leaves in use make all narrow arithmetic after it take twice as long, that of the physics.
- */
+/** Wide registers that XXH3 leaves in use make the narrow arithmetic of the physics take twice as long. */
 #if defined(__x86_64__)
 __attribute__((target("avx"))) void clearUpperHalves() { _mm256_zeroupper(); }
 void leaveWideRegisters() {

@@ -1,6 +1,6 @@
-#include "aras_visual_servo_sim/physics/hollow_mesh.hpp"
-
 #include <gtest/gtest.h>
+
+#include "aras_visual_servo_sim/physics/contact_config.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {

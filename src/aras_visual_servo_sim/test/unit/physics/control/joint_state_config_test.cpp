@@ -1,6 +1,5 @@
-#include "aras_visual_servo_sim/physics/joint_state_config.hpp"
-
 #include "aras_visual_servo_sim/config/errors.hpp"
+#include "aras_visual_servo_sim/physics/managed/joint_state_controller.hpp"
 #include "tools/physics_tools.hpp"
 
 namespace aras_visual_servo_sim {

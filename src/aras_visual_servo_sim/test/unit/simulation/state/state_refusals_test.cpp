@@ -1,83 +1,86 @@
 // What is said of a saved state that is whole, and yet none of this simulation.
 #include <string>
 
-#include "aras_visual_servo_sim/config/errors.hpp"
-#include "simulation/state/state_record.hpp"
+#include "simulation/state/state_archive.hpp"
 #include "tools/pan_lift.hpp"
 #include "tools/physics_tools.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
 
-/** A whole record of what `put` writes. */
-template <typename Put>
-std::string record(const Put& put) {
-  StateWriter out;
-  put(out);
-  return out.take();
+const auto kNoModels = [](const std::vector<SavedModel>&) { return ModelSet(); };
+
+/** Writes a record by a function and reads it by another one. @return what the reader says */
+template <typename Write, typename Read>
+std::string refusal(const Write& write, const Read& read) {
+  StateArchive out;
+  write(out);
+  StateArchive in(out.take());
+  return messageOf<StateError>([&] { read(in); });
 }
 
 TEST(StateRefusals, DamagedBytesAreCounted) {
-  EXPECT_EQ(messageOf<StateError>([] { StateReader reader("abc"); }),
-            "saved state: found 3 bytes that are damaged, cut short or none of save_state's");
-  EXPECT_EQ(messageOf<StateError>([] { StateReader reader("abcdefgh"); }),
-            "saved state: found 8 bytes that are damaged, cut short or none of save_state's");
+  for (const char* record : {"abc", "abcdefgh"}) {
+    EXPECT_EQ(messageOf<StateError>([&] { StateArchive archive(record); }),
+              "saved state: found " + std::to_string(std::string(record).size()) +
+                  " bytes that are damaged, cut short or none of save_state's");
+  }
 }
 
 TEST(StateRefusals, ARecordThatEndsEarlyIsRefused) {
-  const std::string bytes = record([](StateWriter& out) { out.put<std::uint64_t>(1000); });
-  StateReader reader(bytes);
-  EXPECT_EQ(messageOf<StateError>([&] { reader.getText(); }),
+  std::uint64_t size = 1000;
+  std::string text;
+  EXPECT_EQ(refusal([&](StateArchive& out) { out(size); }, [&](StateArchive& in) { in(text); }),
             "saved state: found 8 bytes, allowed more: it ends early");
 }
 
 TEST(StateRefusals, AVectorHasASizeOfItsOwn) {
-  const std::string bytes = record([](StateWriter& out) { out.putVector(Eigen::VectorXd::Zero(3)); });
-  StateReader reader(bytes);
-  EXPECT_EQ(messageOf<StateError>([&] { reader.getVector(2); }),
+  Eigen::VectorXd three = Eigen::VectorXd::Zero(3), two = Eigen::VectorXd::Zero(2);
+  EXPECT_EQ(refusal([&](StateArchive& out) { out(three); }, [&](StateArchive& in) { in(two); }),
             "saved state: found a vector of 3 numbers, allowed 2 for this robot");
 }
 
 TEST(StateRefusals, APoseIsFinite) {
-  Pose nowhere;
-  nowhere.p.y() = std::nan("");
-  Pose unturned;
-  unturned.q.coeffs()[2] = std::numeric_limits<double>::infinity();
-  for (const Pose& pose : {nowhere, unturned}) {
-    const std::string bytes = record([&](StateWriter& out) { out.putPose(pose); });
-    StateReader reader(bytes);
-    EXPECT_EQ(messageOf<StateError>([&] { reader.getPose(); }), "saved state: a pose is not finite");
+  std::array<double, 7> numbers{0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0};
+  for (const std::size_t place : {1, 5}) {
+    std::array<double, 7> forged = numbers;
+    forged[place] = place == 1 ? std::nan("") : std::numeric_limits<double>::infinity();
+    Pose pose;
+    EXPECT_EQ(refusal([&](StateArchive& out) { out(forged); }, [&](StateArchive& in) { in(pose); }),
+              "saved state: a pose is not finite");
   }
 }
 
 TEST(StateRefusals, AnExposureIsOfAsManyModelsAsThereAre) {
-  Moment moment;
-  moment.bodies.resize(2);
-  const std::string bytes = record([&](StateWriter& out) { out.putMoment(moment); });
-  StateReader reader(bytes);
-  EXPECT_EQ(messageOf<StateError>([&] { reader.getMoment(Scene()); }),
+  Moment two_bodies, moment;
+  two_bodies.bodies.resize(2);
+  EXPECT_EQ(refusal([&](StateArchive& out) { out.moment(two_bodies, Scene()); },
+                    [&](StateArchive& in) { in.moment(moment, Scene()); }),
             "saved state: found an exposure of 2 models, bodies or lights, allowed 0 as in this scene");
 }
 
 TEST(StateRefusals, LightsAreAsManyAsAScenesMayBe) {
-  const std::string bytes = record([](StateWriter& out) { out.put<std::uint64_t>(1000000); });
-  StateReader reader(bytes);
-  EXPECT_HAS(messageOf<StateError>([&] { reader.getLights(); }),
-             "saved state: found 1000000 lights, allowed up to " + std::to_string(Lighting::kMostLights));
+  ModelSet bright, set;
+  bright.scene.lighting.lights.resize(Lighting::kMostLights + 1);
+  EXPECT_HAS(refusal([&](StateArchive& out) { out.models(bright, kNoModels); },
+                     [&](StateArchive& in) { in.models(set, kNoModels); }),
+             "lights, allowed up to " + std::to_string(Lighting::kMostLights));
 }
 
 TEST(StateRefusals, AMotionIsThatOfAModel) {
   const MotionRun run{ModelMotion::fromYaml(YAML::Load("{type: constant_velocity}"), "motion"), Pose(), 0};
-  const std::string bytes = record([&](StateWriter& out) { out.putMotions({{"moon", run}}); });
-  StateReader reader(bytes);
-  EXPECT_EQ(messageOf<StateError>([&] { reader.getMotions(ModelSet()); }),
+  std::map<std::string, MotionRun> motions{{"moon", run}}, read;
+  EXPECT_EQ(refusal([&](StateArchive& out) { out.motions(motions, ModelSet()); },
+                    [&](StateArchive& in) { in.motions(read, ModelSet()); }),
             "saved state: found a motion of 'moon', which is not a model");
 }
 
 TEST(StateRefusals, AStateOfAnotherVersionIsToldApart) {
-  const std::string bytes = record([](StateWriter& out) { out.put<std::uint64_t>(7); });
+  StateArchive out;
+  std::uint64_t version = 7;
+  out(version);
   Simulation simulation = fixture::panLift();
-  EXPECT_EQ(messageOf<StateError>([&] { simulation.restoreState(bytes); }),
+  EXPECT_EQ(messageOf<StateError>([&] { simulation.restoreState(out.take()); }),
             "saved state: found one of another version, allowed one of this");
 }
 
@@ -103,9 +106,9 @@ std::string dueAt(Simulation& simulation, std::int64_t due_ns) {
   state.resize(state.size() - sizeof(std::uint64_t));
   const std::size_t place = state.rfind(std::string(reinterpret_cast<const char*>(&due), sizeof(due)));
   state.replace(place, sizeof(due_ns), reinterpret_cast<const char*>(&due_ns), sizeof(due_ns));
-  return record([&](StateWriter& out) {
-    for (const char byte : state) out.put(byte);
-  });
+  StateArchive out;
+  for (char byte : state) out(byte);
+  return out.take();
 }
 
 TEST(StateRefusals, ACommandIsDueWithinThirtyYears) {
