@@ -15,7 +15,6 @@
 #include "aras_visual_servo_sim/image/pixel_color.hpp"
 #include "render/coverage/image_circle.hpp"
 #include "render/opengl/camera_views.hpp"
-#include "render/opengl/gl/compiler_memory.hpp"
 #include "render/opengl/gl/gl_context.hpp"
 #include "render/opengl/gl/packed_pixel.hpp"
 #include "render/opengl/scene/flat_painter.hpp"
