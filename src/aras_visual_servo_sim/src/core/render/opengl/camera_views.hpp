@@ -5,15 +5,18 @@
 #include <vector>
 
 #include "render/opengl/gl/canvas.hpp"
-#include "render/opengl/view/lens_map.hpp"
+#include "render/opengl/view/pinhole_view.hpp"
 
 namespace aras_visual_servo_sim {
+
+class LensMap;
 
 /** The pictures that the image of one camera is made of, and the way from them to the image. */
 class CameraViews {
  public:
   /** @param fine  16 bits a channel, else 8 */
   CameraViews(const GlFunctions& gl, const CameraModel& camera, bool fine);
+  ~CameraViews();
 
   const std::vector<PinholeView>& views() const { return views_; }
   const Canvas& canvas(std::size_t k) const { return *canvases_[k]; }

@@ -2,9 +2,130 @@
 
 #include <algorithm>
 
-#include "edge_pieces.hpp"
+#include "aras_visual_servo_sim/config/wide.hpp"
+#include "render/pixels/eight.hpp"
 
 namespace aras_visual_servo_sim {
+namespace {
+
+// Eight edges at a time, as vectors: choices in place of branches. Without AVX2 they are two vectors of four.
+constexpr int kLanes = 8;
+#define ARAS_INLINE inline __attribute__((always_inline)) void
+
+/** Straight edges among texels, cut where they pass from one to the next. `size` edges (8 or 16) at a time. */
+template <int size>
+struct EdgePieces {
+  static constexpr int kMostCuts = 5;  ///< through columns, and as many through rows
+  static constexpr int kMostPieces = 2 * kMostCuts + 1;
+
+  int count = 0;                                      ///< pieces of each edge, some of no length
+  alignas(32) std::int32_t entry[kMostPieces][size];  ///< row * stride + column of the texel about a piece
+  alignas(32) float part[kMostPieces][size];          ///< share of the texel's width left of the piece's middle
+  alignas(32) float height[kMostPieces][size];        ///< that the piece spans, signed
+};
+
+/** The coordinates of edges along one axis. */
+struct Axis {
+  EightFloats from, length;
+  EightInts first, up, gap;  ///< texel of the start; -1 where the edge goes up, else 0; borders that it crosses
+
+  ARAS_INLINE set(const float* a, const float* b) {
+    const EightFloats to = eightAt(b).values;
+    from = eightAt(a).values;
+    length = to - from;
+    first = __builtin_convertvector(from, EightInts);
+    gap = __builtin_convertvector(to, EightInts) - first;
+    up = gap > 0;
+    gap = up ? gap : -gap;
+  }
+
+  /** Share of the way to the k-th border, 1 where there is none. */
+  ARAS_INLINE crossing(std::int32_t k, EightFloats& share) const {
+    const EightInts border = first + (up ? EightInts{} + (k + 1) : EightInts{} - k);
+    share = (__builtin_convertvector(border, EightFloats) - from) / length;
+    share = share > 0.0f ? share : EightFloats{};
+    share = ((share < 1.0f) & (gap > k)) ? share : EightFloats{} + 1.0f;
+  }
+};
+
+/** @return the most borders that an edge crosses */
+template <int size>
+inline __attribute__((always_inline)) int mostCrossed(const float* a, const float* b) {
+  EightInts most{};
+  for (int i = 0; i < size; i += kLanes) {
+    Axis axis;
+    axis.set(a + i, b + i);
+    most = axis.gap > most ? axis.gap : most;
+  }
+  std::int32_t result = 0;
+  for (int i = 0; i < kLanes; ++i) result = std::max(result, most[i]);
+  return result;
+}
+
+template <int size>
+ARAS_INLINE cutEdges(const float* xa, const float* ya, const float* xb, const float* yb, std::int32_t stride,
+                     int columns, int rows, EdgePieces<size>& pieces) {
+  for (int i = 0; i < size; i += kLanes) {
+    Axis x, y;
+    x.set(xa + i, xb + i);
+    y.set(ya + i, yb + i);
+    EightFloats cuts[EdgePieces<size>::kMostPieces];
+    for (int k = 0; k < columns; ++k) x.crossing(k, cuts[k]);
+    for (int k = 0; k < rows; ++k) {  // each is sorted in
+      EightFloats more;
+      y.crossing(k, more);
+      for (int m = 0; m < columns + k; ++m) {
+        const EightFloats here = cuts[m];
+        cuts[m] = here < more ? here : more;
+        more = here < more ? more : here;
+      }
+      cuts[columns + k] = more;
+    }
+    cuts[columns + rows] = EightFloats{} + 1.0f;
+    EightFloats begin{};
+    for (int m = 0; m <= columns + rows; ++m) {
+      const EightFloats end = cuts[m], middle = 0.5f * (begin + end);
+      const EightFloats px = x.from + middle * x.length, py = y.from + middle * y.length;
+      const EightInts column = __builtin_convertvector(px, EightInts), row = __builtin_convertvector(py, EightInts);
+      const EightInts entry = row * stride + column;
+      const EightFloats part = px - __builtin_convertvector(column, EightFloats), height = (end - begin) * y.length;
+      eightAt(&pieces.entry[m][i]).values = entry;
+      eightAt(&pieces.part[m][i]).values = part;
+      eightAt(&pieces.height[m][i]).values = height;
+      begin = end;
+    }
+  }
+  pieces.count = columns + rows + 1;
+}
+#undef ARAS_INLINE
+
+ARAS_WIDE int mostCrossed8(const float* a, const float* b) { return mostCrossed<8>(a, b); }
+ARAS_WIDE int mostCrossed16(const float* a, const float* b) { return mostCrossed<16>(a, b); }
+ARAS_WIDE void cut8(const float* xa, const float* ya, const float* xb, const float* yb, std::int32_t stride,
+                    int columns, int rows, EdgePieces<8>& pieces) {
+  cutEdges<8>(xa, ya, xb, yb, stride, columns, rows, pieces);
+}
+ARAS_WIDE void cut16(const float* xa, const float* ya, const float* xb, const float* yb, std::int32_t stride,
+                     int columns, int rows, EdgePieces<16>& pieces) {
+  cutEdges<16>(xa, ya, xb, yb, stride, columns, rows, pieces);
+}
+
+/** Cuts edges from (xa, ya) to (xb, yb). @pre no coordinate is negative @return false if kMostCuts are too few */
+template <int size>
+bool cut(const float* xa, const float* ya, const float* xb, const float* yb, std::int32_t stride,
+         EdgePieces<size>& pieces) {
+  const auto most = size == 8 ? mostCrossed8 : mostCrossed16;
+  const int columns = most(xa, xb), rows = most(ya, yb);
+  if (std::max(columns, rows) > EdgePieces<size>::kMostCuts) return false;
+  if constexpr (size == 8) {
+    cut8(xa, ya, xb, yb, stride, columns, rows, pieces);
+  } else {
+    cut16(xa, ya, xb, yb, stride, columns, rows, pieces);
+  }
+  return true;
+}
+
+}  // namespace
 
 template <int channels, int size>
 bool PictureMeans<channels, size>::integrate(const PictureCorners<size>& corners, const Texture& texture, Wrap wrap_s,
@@ -61,7 +182,7 @@ template <int channels, int size>
 bool PictureMeans<channels, size>::integrateEdges(const float* xa, const float* ya, const float* xb, const float* yb,
                                                   int count, Value* integrals) {
   EdgePieces<size> pieces;
-  if (!pieces.cut(xa, ya, xb, yb, window_.stride())) return false;
+  if (!cut(xa, ya, xb, yb, window_.stride(), pieces)) return false;
   const Value* sums = window_.sums();
   for (int i = 0; i < count; ++i) {
     Value sum{};

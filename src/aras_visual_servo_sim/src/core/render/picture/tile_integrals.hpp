@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "aras_visual_servo_sim/image/texture.hpp"
-#include "sum_lanes.hpp"
+#include "picture_window.hpp"
 
 namespace aras_visual_servo_sim {
 

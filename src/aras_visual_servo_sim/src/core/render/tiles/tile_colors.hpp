@@ -4,7 +4,7 @@
 
 #include "aras_visual_servo_sim/camera/camera_model.hpp"
 #include "aras_visual_servo_sim/image/image.hpp"
-#include "render/picture/sum_lanes.hpp"
+#include "render/picture/picture_window.hpp"
 #include "render/triangles/facet.hpp"
 #include "tile_bins.hpp"
 

@@ -15,12 +15,29 @@ struct PinholeView {
 
   /** Clip coordinates of points in C: depth near / Z, 1 at the near plane and 0 at infinity, so that 32 bits of float
    *  are as fine far away as near by; OpenGL's rows grow downwards, as the image's do. */
-  Eigen::Matrix4f projection(double near_m) const;
-  /** The same picture in pixels of 1 / factor. */
-  PinholeView scaled(int factor) const;
+  Eigen::Matrix4f projection(double near_m) const {
+    Eigen::Matrix4d P = Eigen::Matrix4d::Zero();
+    P(0, 0) = 2.0 * fx / width;
+    P(0, 2) = (2.0 * cx + 1.0) / width - 1.0;
+    P(1, 1) = 2.0 * fy / height;
+    P(1, 2) = (2.0 * cy + 1.0) / height - 1.0;
+    P(2, 3) = near_m;
+    P(3, 2) = 1.0;
+    P.leftCols<3>() = (P.leftCols<3>() * R_FC).eval();
+    return P.cast<float>();
+  }
 
-  /** What a camera without a lens sees. */
-  static PinholeView of(const CameraModel& camera);
+  /** What a camera without a lens sees, in pixels of 1 / factor. */
+  static PinholeView of(const CameraModel& camera, int factor) {
+    PinholeView view;
+    view.width = factor * camera.width();
+    view.height = factor * camera.height();
+    view.fx = factor * camera.fx();
+    view.fy = factor * camera.fy();
+    view.cx = factor * (camera.cx() + 0.5) - 0.5;
+    view.cy = factor * (camera.cy() + 0.5) - 0.5;
+    return view;
+  }
 };
 
 }  // namespace aras_visual_servo_sim
