@@ -7,17 +7,9 @@
 #include <vector>
 
 #include "aras_visual_servo_sim/image/image.hpp"
+#include "render/view/pixel_box.hpp"
 
 namespace aras_visual_servo_sim {
-
-/** Pixels u0 <= u < u1, v0 <= v < v1. */
-struct PixelBox {
-  int u0 = 0, v0 = 0, u1 = 0, v1 = 0;
-  bool empty() const { return u0 >= u1 || v0 >= v1; }
-  bool overlaps(const PixelBox& other) const {
-    return !empty() && !other.empty() && u0 < other.u1 && other.u0 < u1 && v0 < other.v1 && other.v0 < v1;
-  }
-};
 
 /** Fills closed outlines with a colour, each pixel in proportion to the area of it that is covered.
  *

@@ -202,10 +202,10 @@ class OpenGlRenderer::Implementation {
     parts_->store.clean();
   }
 
-  void clear(const PixelPart& part, const Rgb& color) {
+  void clear(const PixelBox& part, const Rgb& color) {
     const GlFunctions& gl = context_->gl();
     gl.Enable(GL_SCISSOR_TEST);
-    gl.Scissor(part.left, part.top, part.right - part.left, part.bottom - part.top);
+    gl.Scissor(part.u0, part.v0, part.u1 - part.u0, part.v1 - part.v0);
     gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     gl.DepthMask(GL_TRUE);
     gl.ClearColor(color.r / 255.0f, color.g / 255.0f, color.b / 255.0f, 0.0f);
@@ -231,7 +231,7 @@ class OpenGlRenderer::Implementation {
     } else {
       for (std::size_t k = 0; k < views.views().size(); ++k) {
         const PinholeView& view = views.views()[k];
-        const PixelPart all{0, 0, view.width, view.height};
+        const PixelBox all{0, 0, view.width, view.height};
         views.canvas(k).bind();
         clear(all, scene.background);
         solids.drawIn(all);
@@ -261,7 +261,7 @@ class OpenGlRenderer::Implementation {
     const PinholeView& view = views.views()[0];
     const SolidPainter::Plan plan = solids.planOf(0);
     if (plan.sky || plan.backdrop) {
-      const PixelPart all{0, 0, view.width, view.height};
+      const PixelBox all{0, 0, view.width, view.height};
       views.singleSampled().bind();
       clear(all, scene.background);
       solids.drawIn(all, plan.sampled);
@@ -283,7 +283,7 @@ class OpenGlRenderer::Implementation {
       solids.drawTransparent(0);
       sampled_px += static_cast<long>(part.area());
     }
-    for (const auto& part : plan.sampled) canvas.read({part.left, part.top, part.right, part.bottom}, pixels);
+    for (const auto& part : plan.sampled) canvas.read(part, pixels);
     return sampled_px;
   }
 
@@ -315,10 +315,10 @@ class OpenGlRenderer::Implementation {
 
   /** The smallest box about these pixels, of which there are some. */
   static PixelBox boxOf(const std::vector<std::size_t>& pixels, int width) {
-    PixelBox box{width, std::numeric_limits<int>::max(), 0, 0};
+    PixelBox box;
     for (const std::size_t at : pixels) {
       const int u = static_cast<int>(at % std::size_t(width)), v = static_cast<int>(at / std::size_t(width));
-      box = {std::min(box.u0, u), std::min(box.v0, v), std::max(box.u1, u + 1), std::max(box.v1, v + 1)};
+      box = box.with({u, v, u + 1, v + 1});
     }
     return box;
   }

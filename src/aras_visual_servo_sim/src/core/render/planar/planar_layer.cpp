@@ -14,10 +14,6 @@ namespace {
 constexpr double kChord = 1e-3;     // [px] a curve may stray from its chord; its area by two thirds of that
 constexpr double kCoplanar = 1e-9;  // [m] rounding of points that lie in a plane, k eps times metres
 
-PixelBox intersection(const PixelBox& a, const PixelBox& b) {
-  return {std::max(a.u0, b.u0), std::max(a.v0, b.v0), std::min(a.u1, b.u1), std::min(a.v1, b.v1)};
-}
-
 PixelBox boxOf(const std::vector<Eigen::Vector2d>& points, std::size_t begin, const CameraModel& camera) {
   const double infinity = std::numeric_limits<double>::infinity();
   Eigen::Vector2d low(infinity, infinity), high(-infinity, -infinity);
@@ -179,7 +175,7 @@ void PlanarLayer::sort() {
       } else if (isBehind(views_[j], views_[i])) {
         must_precede_[j * n + i] = 1;
       } else {
-        conflicts_.push_back(intersection(views_[i].box, views_[j].box));
+        conflicts_.push_back(views_[i].box.within(views_[j].box));
       }
     }
   }

@@ -159,9 +159,9 @@ void TilePainter::collect(std::uint32_t index) {
 PixelBox TilePainter::touchedBy(const TileTriangle& t) const {
   const int width = box_.u1 - box_.u0, height = box_.v1 - box_.v0;
   if (list_->isFlat()) return {0, 0, width, height};
-  const TriangleList::Extent& extent = list_->extent(t.triangle);
-  return {std::clamp(extent.left - box_.u0, 0, width), std::clamp(extent.top - box_.v0, 0, height),
-          std::clamp(extent.right - box_.u0, 0, width), std::clamp(extent.bottom - box_.v0, 0, height)};
+  const PixelBox& extent = list_->extent(t.triangle);
+  return PixelBox{extent.u0 - box_.u0, extent.v0 - box_.v0, extent.u1 - box_.u0, extent.v1 - box_.v0}.within(
+      {0, 0, width, height});
 }
 
 /** Whether the middle of a pixel lies inside a triangle. */

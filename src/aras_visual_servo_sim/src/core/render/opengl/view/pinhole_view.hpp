@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 
 #include "aras_visual_servo_sim/camera/camera_model.hpp"
+#include "render/view/pixel_box.hpp"
 
 namespace aras_visual_servo_sim {
 
@@ -25,6 +26,21 @@ struct PinholeView {
     P(3, 2) = 1.0;
     P.leftCols<3>() = (P.leftCols<3>() * R_FC).eval();
     return P.cast<float>();
+  }
+
+  /** Slopes X / Z and Y / Z, in F, of lines around the picture. */
+  struct Border {
+    double left, right, top, bottom;
+  };
+  /** @param rim  how far outside the centres of the outermost pixels [px] */
+  Border border(double rim) const {
+    return {(-rim - cx) / fx, (width - 1.0 + rim - cx) / fx, (-rim - cy) / fy, (height - 1.0 + rim - cy) / fy};
+  }
+  /** Ray, in F, through a corner of some pixels. @param k  bits 0 and 1 choose right and bottom @param rim  how far
+   *  outside [px] */
+  Eigen::Vector3d rayThroughCorner(const PixelBox& box, int k, double rim = 0.0) const {
+    return {((k & 1 ? box.u1 + rim : box.u0 - rim) - 0.5 - cx) / fx,
+            ((k & 2 ? box.v1 + rim : box.v0 - rim) - 0.5 - cy) / fy, 1.0};
   }
 
   /** What a camera without a lens sees, in pixels of 1 / factor. */
