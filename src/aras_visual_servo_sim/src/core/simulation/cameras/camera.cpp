@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "aras_visual_servo_sim/image/sensor/bayer.hpp"
 #include "aras_visual_servo_sim/image/sensor/gaussian_noise.hpp"
 
 namespace aras_visual_servo_sim {
