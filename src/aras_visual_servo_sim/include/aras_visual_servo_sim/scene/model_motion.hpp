@@ -33,8 +33,7 @@ class ModelMotion {
   const std::string& yaml() const { return yaml_; }
 
  private:
-  /** State of a random walk at the start of an interval. It is kept so that the walk is not repeated from its beginning
-   *  each time. */
+  /** State of a random walk at the start of an interval, kept so that it is not walked from its beginning each time. */
   struct Knot {
     std::int64_t index = 0;
     Eigen::Vector3d p = Eigen::Vector3d::Zero();

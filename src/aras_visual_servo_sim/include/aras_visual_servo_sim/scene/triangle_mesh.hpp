@@ -36,8 +36,7 @@ struct RoundShape {
   double length_m = 0.0;  ///< not of a sphere
 };
 
-/** Triangles with a normal and a colour at each vertex; metres, counter-clockwise seen from outside. Never changed
- *  after it was made, so shapes share it. */
+/** Triangles with a normal and a colour at each vertex [m], counter-clockwise seen from outside. Shared by shapes. */
 struct TriangleMesh {
   std::vector<Eigen::Vector3f> points;
   std::vector<Eigen::Vector3f> normals;  ///< one for each point, unit length

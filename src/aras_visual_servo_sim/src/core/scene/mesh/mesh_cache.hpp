@@ -16,8 +16,7 @@ struct MaterialMesh {
   Material material;
 };
 
-/** A mesh file by its materials; one mesh of the plain one where it says nothing of them. @throws ModelError as
- * loadMesh */
+/** A mesh file by its materials; one plain mesh where it says nothing of them. @throws ModelError as loadMesh */
 std::vector<MaterialMesh> loadMaterialMeshes(const std::string& path, const Eigen::Vector3d& scale,
                                              const PackagePaths& packages);
 
@@ -45,8 +44,7 @@ class MeshCache {
   std::map<std::string, TexturePtr> textures_;
 };
 
-/** A mesh with the same content that somebody in this process has, else this one. What draws many scenes then knows
- * that they show the same thing. Thread-safe. */
+/** A mesh with the same content that somebody in this process has, else this one. Thread-safe. */
 MeshPtr shared(MeshPtr mesh);
 
 }  // namespace aras_visual_servo_sim

@@ -130,8 +130,7 @@ class MeshPictures {
   const std::vector<MeshPicture>& all() const { return pictures_; }
 
  private:
-  /** The normals of a material; null if it has none. OBJ's map_Bump, which assimp calls heights, often holds normals.
-   */
+  /** The normals of a material, or null. OBJ's map_Bump, which assimp calls heights, often holds normals. */
   TexturePtr normalsOf(const aiMaterial& material) const {
     aiString name;
     if (material.GetTexture(aiTextureType_NORMALS, 0, &name) == AI_SUCCESS) return load(name.C_Str());
@@ -178,8 +177,7 @@ class MeshPictures {
 /** Collects the meshes of a scene graph into one, everything in the frame of its root. */
 class Collector {
  public:
-  /** @param pictures  null: colours and pictures are left out  @param taken  by material, whether its triangles are
-   *  taken; empty: all are */
+  /** @param pictures  null: colours are left out too  @param taken  materials whose triangles are; empty: all */
   Collector(const aiScene& scene, const Eigen::Vector3d& scale, MeshPictures* pictures, std::vector<bool> taken)
       : scene_(scene),
         scale_(scale.cast<float>()),

@@ -137,8 +137,7 @@ void TriangleMesh::finish() {
   }
 }
 
-/** Faces carry the picture upright, +z up; the top face has the picture's top at +x, the bottom face at -x: Gazebo's.
- */
+/** Faces carry the picture upright, +z up; the top face has its top at +x, the bottom face at -x, as in Gazebo. */
 MeshPtr makeBox(const Eigen::Vector3d& size_m) {
   for (int i = 0; i < 3; ++i) requirePositive(size_m[i], "box size");
   auto mesh = std::make_shared<TriangleMesh>();
