@@ -6,6 +6,7 @@
 #include <functional>
 #include <vector>
 
+#include "aras_visual_servo_sim/camera/camera_model.hpp"
 #include "aras_visual_servo_sim/image/image.hpp"
 #include "render/view/pixel_box.hpp"
 
@@ -52,5 +53,15 @@ class CoverageRasterizer {
   std::vector<Edge> edges_;
   std::vector<float> accumulator_;  // all zero between fills
 };
+
+/** Blackens what lies beyond the lens's circle, its border by exact coverage. @pre camera.showsLensCircle() */
+template <typename Value>
+void blackenBeyondLens(const CameraModel& camera, CoverageRasterizer& rasterizer, ImageOf<Value>& image);
+
+/** How coverage is counted in images of a camera. */
+inline CoverageRasterizer::Rule ruleOf(const CameraModel& camera) {
+  return camera.sampling() == CameraModel::Sampling::kCenter ? CoverageRasterizer::Rule::kCenter
+                                                             : CoverageRasterizer::Rule::kCoverage;
+}
 
 }  // namespace aras_visual_servo_sim

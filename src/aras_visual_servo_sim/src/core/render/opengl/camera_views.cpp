@@ -209,8 +209,9 @@ const Canvas& CameraViews::singleSampled() {
 }
 
 template <typename Pixel>
-void CameraViews::readWith(std::vector<std::vector<Pixel>>& pictures, std::vector<Pixel>& image) {
-  if (!lens_ && factor_ == 1) return canvases_[0]->read(image);
+void CameraViews::read(std::vector<Pixel>& image) {
+  if (readsInParts()) return canvases_[0]->read(image);
+  auto& pictures = std::get<std::vector<std::vector<Pixel>>>(pictures_);
   pictures.resize(canvases_.size());
   for (std::size_t k = 0; k < canvases_.size(); ++k) canvases_[k]->read(pictures[k]);
   if (lens_) {
@@ -220,7 +221,7 @@ void CameraViews::readWith(std::vector<std::vector<Pixel>>& pictures, std::vecto
   }
 }
 
-template void CameraViews::readWith(std::vector<std::vector<std::uint32_t>>&, std::vector<std::uint32_t>&);
-template void CameraViews::readWith(std::vector<std::vector<std::uint64_t>>&, std::vector<std::uint64_t>&);
+template void CameraViews::read(std::vector<std::uint32_t>&);
+template void CameraViews::read(std::vector<std::uint64_t>&);
 
 }  // namespace aras_visual_servo_sim

@@ -5,8 +5,7 @@
 #include <limits>
 
 #include "aras_visual_servo_sim/image/pixel_color.hpp"
-#include "render/coverage/image_circle.hpp"
-#include "render/view/held.hpp"
+#include "render/view/pixel_box.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -81,7 +80,7 @@ void PlanarLayer::giveBack(View&& view) {
 bool PlanarLayer::addModel(const CameraModel& camera, const ViewVolume& volume, const Pose& X_CM,
                            const PlanarModel& model) {
   cells_.clear();
-  for (const ViewCell& cell : volume.cells()) {
+  for (const ViewCell& cell : volume) {
     if (!cell.excludes(X_CM.p, model.radius())) cells_.emplace_back(&cell, cell.contains(X_CM.p, model.radius()));
   }
   if (cells_.empty()) return false;

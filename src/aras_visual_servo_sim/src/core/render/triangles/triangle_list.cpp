@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "render/view/held.hpp"
+#include "render/view/pixel_box.hpp"
 #include "render/view/shading.hpp"
 
 namespace aras_visual_servo_sim {
@@ -62,7 +62,7 @@ void TriangleList::addShape(const Shape& shape, const Pose& X_CS, const Eigen::V
   const Eigen::Vector3d center = X_CS * mesh.center();
   const double radius = mesh.radius();
   cells_.clear();
-  for (const ViewCell& cell : volume_->cells()) {
+  for (const ViewCell& cell : *volume_) {
     if (cell.excludes(center, radius) || cell.depth(center) - radius > camera_->farM()) continue;
     cells_.emplace_back(&cell, cell.contains(center, radius));
   }
@@ -126,7 +126,7 @@ void TriangleList::addPlanar(const PlanarLayer& planar, const Pose& X_CW) {
     facet.bias = kBias * static_cast<double>(++index);
     facet.rgb.fill(colorOf(face.color));
     cells_.clear();
-    for (const ViewCell& cell : volume_->cells()) {
+    for (const ViewCell& cell : *volume_) {
       cells_.emplace_back(&cell, cell.contains(X_CM.p, face.model->radius()));
     }
     const auto add = [&](const Polygon& polygon, const std::array<std::uint32_t, 3>& triangle) {
@@ -214,8 +214,7 @@ void TriangleList::addVertices(const std::array<Corner, 3>& corners, const Seams
   }
 }
 
-/** Of the triangle to come, row by row: what lies between the leftmost and the rightmost point of the outline corners_.
- */
+/** Of the triangle to come, row by row: what lies between the leftmost and the rightmost point of its outline. */
 void TriangleList::addSpans() {
   constexpr int kTile = CameraModel::kBlock;
   const int rows = (camera_->height() + kTile - 1) / kTile, columns = (camera_->width() + kTile - 1) / kTile;

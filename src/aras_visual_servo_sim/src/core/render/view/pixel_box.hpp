@@ -4,6 +4,12 @@
 
 namespace aras_visual_servo_sim {
 
+/** x within low .. high; low if it is no number: what becomes an index goes through here. */
+template <typename T>
+constexpr T held(T x, T low, T high) {
+  return x > low ? (x < high ? x : high) : low;
+}
+
 /** Pixels u0 <= u < u1, v0 <= v < v1. */
 struct PixelBox {
   int u0 = 0, v0 = 0, u1 = 0, v1 = 0;

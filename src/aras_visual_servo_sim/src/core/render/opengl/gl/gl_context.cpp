@@ -47,8 +47,7 @@ void prepareMesa() {
   });
 }
 
-/** A library that is opened when somebody first draws with it, and then stays: llvmpipe does not survive being closed.
- */
+/** A library that is opened at its first use and then stays: llvmpipe does not survive being closed. */
 class SharedLibrary {
  public:
   /** @param who      for messages: what wants it, for example "gl 'egl'"

@@ -26,8 +26,7 @@ class GlContext {
   };
 
   const GlFunctions& gl() const { return gl_; }
-  /** What draws and which version it is of, for example "llvmpipe (LLVM 15.0.6, 256 bits), 4.5 (Core Profile) Mesa
-   *  22.3.6". @pre bound */
+  /** What draws, and of which version: "llvmpipe (LLVM 15.0.6, 256 bits), 4.5 (Core Profile) Mesa ...". @pre bound */
   std::string description() const;
 
  protected:

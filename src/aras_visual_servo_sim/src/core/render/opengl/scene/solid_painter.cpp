@@ -30,7 +30,7 @@ void SolidPainter::begin(const CameraModel& camera, const Pose& X_WC, const Scen
   scene_ = &scene;
   X_WC_ = X_WC;
   lights_ = std::make_unique<LightSet>(scene);
-  letters_ = lightLetters(*lights_);
+  letters_ = lights_->letters();
   most_highlight_.setZero();
   for (const Light& light : lights_->lights) most_highlight_ += light.specular;
   least_highlight_ = 0.5 / levels;
@@ -323,8 +323,7 @@ SolidPainter::Program& SolidPainter::programOf(const Item& item, const GlMesh& m
   traits.painted = !shape.mesh->colors.empty();
   Program& program = programs_[traits.name()];
   if (!program.shader) {
-    program.shader =
-        std::make_unique<ShaderProgram>(gl_, traits.name(), solidVertexShader(traits), solidFragmentShader(traits));
+    program.shader = std::make_unique<ShaderProgram>(gl_, traits.name(), solidShader(traits));
     findUniforms(program);
   }
   program.shader->use();
@@ -398,7 +397,7 @@ void SolidPainter::setLights(Program& program) {
 void SolidPainter::drawSky(const PinholeView& view) {
   if (!scene_->lighting.zenith) return;
   if (!sky_) {
-    sky_ = std::make_unique<ShaderProgram>(gl_, "sky", skyVertexShader(), skyFragmentShader());
+    sky_ = std::make_unique<ShaderProgram>(gl_, "sky", skyShader());
     const float corners[] = {-1.0f, -1.0f, 0.0f, 3.0f, -1.0f, 0.0f, -1.0f, 3.0f, 0.0f};
     gl_.GenVertexArrays(1, &sky_array_);
     gl_.GenBuffers(1, &sky_vertices_);

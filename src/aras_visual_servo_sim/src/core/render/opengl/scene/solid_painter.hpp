@@ -40,8 +40,7 @@ class SolidPainter {
   };
   /** @param view  which one of the frame */
   Plan planOf(std::size_t view) const;
-  /** What is drawn from here on is drawn only in this part of the view, and its shadows not in those that are drawn
-   *  once more. */
+  /** From here on draws only in this part of the view, and no shadows in those that are drawn once more. */
   void drawIn(const PixelBox& part, const std::vector<Plan::Part>& drawn_again = {}) {
     limit_ = part;
     drawn_again_ = drawn_again;
@@ -50,8 +49,7 @@ class SolidPainter {
   void drawSky(const PinholeView& view);
   /** @param filled  by the backdrop at this place, which is drawn first, over whatever is there */
   void drawOpaque(std::size_t view, std::optional<std::size_t> filled = std::nullopt);
-  /** One body alone, into a canvas that needs no depth: of a convex body no face hides another.
-   *  @param place  among the opaque ones */
+  /** One convex body alone, into a canvas that needs no depth. @param place  among the opaque ones */
   void drawBackdrop(std::size_t view, std::size_t place);
   /** Over all that is there, the farthest first. */
   void drawTransparent(std::size_t view);

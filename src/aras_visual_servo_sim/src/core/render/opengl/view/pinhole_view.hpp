@@ -7,8 +7,7 @@
 
 namespace aras_visual_servo_sim {
 
-/** A picture that a pinhole at the camera's origin makes: what OpenGL can draw. Pixels are counted as CameraModel does.
- */
+/** A picture that a pinhole at the camera's origin makes. Pixels are counted as CameraModel does. */
 struct PinholeView {
   Eigen::Matrix3d R_FC = Eigen::Matrix3d::Identity();  ///< of the pinhole's frame F: x right, y down, z forward
   double fx = 0.0, fy = 0.0, cx = 0.0, cy = 0.0;       ///< [px]
@@ -36,8 +35,7 @@ struct PinholeView {
   Border border(double rim) const {
     return {(-rim - cx) / fx, (width - 1.0 + rim - cx) / fx, (-rim - cy) / fy, (height - 1.0 + rim - cy) / fy};
   }
-  /** Ray, in F, through a corner of some pixels. @param k  bits 0 and 1 choose right and bottom @param rim  how far
-   *  outside [px] */
+  /** Ray, in F, through a corner of a box, or outside it by a rim [px]. @param k  bits 0, 1 choose right and bottom */
   Eigen::Vector3d rayThroughCorner(const PixelBox& box, int k, double rim = 0.0) const {
     return {((k & 1 ? box.u1 + rim : box.u0 - rim) - 0.5 - cx) / fx,
             ((k & 2 ? box.v1 + rim : box.v0 - rim) - 0.5 - cy) / fy, 1.0};

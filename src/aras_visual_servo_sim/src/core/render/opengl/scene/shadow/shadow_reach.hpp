@@ -44,8 +44,7 @@ class SeenMesh {
   PixelBox covered(double near_m) const;
   /** All that can be seen of the mesh is in it. Empty: nothing can. */
   const MapBox& box() const { return box_; }
-  /** The part of the picture in which the mesh can lie in the shadow of a caster. Empty if none of it can.
-   *  @param caster  its box on the map */
+  /** The part of the picture in which the mesh can lie in the shadow of a caster. @param caster  its box on the map */
   PixelBox shadowOf(const MapBox& caster, double near_m) const;
 
  private:
