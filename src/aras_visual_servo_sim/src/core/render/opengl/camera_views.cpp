@@ -66,12 +66,6 @@ double finestScale(const CameraModel& camera) {
   return finest;
 }
 
-struct Ray {
-  std::size_t face;
-  double x, y;  // where it meets the plane Z = 1 of the face
-  bool drawn;
-};
-
 }  // namespace
 
 /** How the image of a camera with a lens is put together from pictures without one.
@@ -169,6 +163,11 @@ class LensMap {
   }
 
  private:
+  struct Ray {
+    std::size_t face;
+    double x, y;  // where it meets the plane Z = 1 of the face
+    bool drawn;
+  };
   /** Where one ray meets a picture. */
   struct Tap {
     std::int32_t first;        ///< index of the upper left of four pixels
