@@ -42,7 +42,7 @@ struct PinholeView {
   }
 
   /** What a camera without a lens sees, in pixels of 1 / factor. */
-  static PinholeView of(const CameraModel& camera, int factor) {
+  static PinholeView of(const CameraModel& camera, int factor = 1) {
     PinholeView view;
     view.width = factor * camera.width();
     view.height = factor * camera.height();
