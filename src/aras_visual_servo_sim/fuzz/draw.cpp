@@ -1,7 +1,6 @@
 // What draws: a camera and a scene as they stand in a scenario, drawn by the renderer that measures.
 #include <aras_visual_servo_common/files.hpp>
 
-#include "aras_visual_servo_sim/camera/camera_config_reader.hpp"
 #include "aras_visual_servo_sim/render/coverage_renderer.hpp"
 #include "aras_visual_servo_sim/render/geometry_image.hpp"
 #include "aras_visual_servo_sim/scene/scene_loader.hpp"

@@ -68,4 +68,10 @@ using FineImage = ImageOf<std::uint16_t>;
 template <typename Value>
 inline constexpr int kUnitsOf = sizeof(Value) == 1 ? 1 : 257;
 
+/** Whether the value at column x (of channels) of row v is red (0), green (1) or blue (2); 1 for mono images. */
+int colorAt(Encoding encoding, int x, int v);
+
+/** What each pixel sees through its colour filter. @param rgb  rgb8  @param encoding  one of the Bayer patterns */
+void throughBayerFilter(const FineImage& rgb, Encoding encoding, FineImage& mosaic);
+
 }  // namespace aras_visual_servo_sim

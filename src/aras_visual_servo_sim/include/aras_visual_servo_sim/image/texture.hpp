@@ -38,8 +38,7 @@ class Texture {
     int rows = 0;
     std::vector<std::int32_t> sums;
   };
-  /** Levels from k = 0 on, of three channels r, g, b or of one, the grey of each texel rounded to 8 bits. Made at the
-   *  first call. Thread-safe. @param channels  3 or 1 */
+  /** Levels of r, g, b or of grey, rounded to 8 bits. Made at the first call. Thread-safe. @param channels  3 or 1 */
   const std::vector<Level>& levels(int channels) const;
 
  private:

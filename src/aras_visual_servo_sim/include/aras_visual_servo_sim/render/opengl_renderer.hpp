@@ -31,8 +31,7 @@ class OpenGlRenderer : public Renderer {
   explicit OpenGlRenderer(MakeContext make_context);
   ~OpenGlRenderer() override;
 
-  /** The one that all simulations of the calling thread share, with their meshes, pictures, shaders and shadow maps.
-   *  Made for the first of them, gone with the last. */
+  /** The one that all simulations of the calling thread share: made for the first of them, gone with the last. */
   static std::shared_ptr<OpenGlRenderer> shared(Platform platform);
 
   /** What draws and of which version. @throws RenderError if there is no OpenGL */

@@ -12,8 +12,7 @@
 
 namespace aras_visual_servo_sim {
 
-/** How a surface answers light, as the OpenGL renderer draws it. Its diffuse colour is that of the shape, the mesh or
- *  its picture. */
+/** How a surface answers light, for the OpenGL renderer. The shape, mesh or picture has its diffuse colour. */
 struct Material {
   double ambient_share = 1.0;                          ///< ambient colour over the diffuse one
   std::optional<Eigen::Vector3d> ambient;              ///< in place of that, 0 .. 1; not of pictures

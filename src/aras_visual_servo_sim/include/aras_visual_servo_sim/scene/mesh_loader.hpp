@@ -21,8 +21,7 @@ namespace aras_visual_servo_sim {
 MeshPtr loadMesh(const std::string& path, const Eigen::Vector3d& scale = Eigen::Vector3d::Ones(),
                  const PackagePaths& packages = PackagePaths());
 
-/** A copy of a mesh on which one picture replaces all its colours and pictures. @throws ModelError if it has no texture
- *  coordinates (an STL file never has any) */
+/** A copy of a mesh with one picture instead of all colours. @throws ModelError if it has no texture coordinates */
 MeshPtr withPicture(const TriangleMesh& mesh, const TexturePtr& texture);
 
 }  // namespace aras_visual_servo_sim

@@ -36,8 +36,7 @@ struct RoundShape {
   double length_m = 0.0;  ///< not of a sphere
 };
 
-/** Triangles with a normal and a colour at each vertex; metres, counter-clockwise seen from outside. Never changed
- *  after it was made, so shapes share it. */
+/** Triangles with a normal and a colour at each vertex [m], counter-clockwise seen from outside. Shared by shapes. */
 struct TriangleMesh {
   std::vector<Eigen::Vector3f> points;
   std::vector<Eigen::Vector3f> normals;  ///< one for each point, unit length
@@ -55,6 +54,15 @@ struct TriangleMesh {
   static constexpr std::uint32_t kNone = 0xffffffff;
   Eigen::Vector3f box_min = Eigen::Vector3f::Zero();  ///< bounding box
   Eigen::Vector3f box_max = Eigen::Vector3f::Zero();
+
+  /** Corner of the box: bits 0, 1, 2 of k choose the side in x, y, z. */
+  Eigen::Vector3d corner(int k) const {
+    const auto side = [&](int axis) { return k >> axis & 1 ? box_max[axis] : box_min[axis]; };
+    return {side(0), side(1), side(2)};
+  }
+  /** Of the ball about the box. */
+  Eigen::Vector3d center() const { return (0.5f * (box_min + box_max)).cast<double>(); }
+  double radius() const { return 0.5 * (box_max - box_min).cast<double>().norm(); }
 
   /** Sets neighbours and box, when all else is there; a normal that is missing or no direction becomes the mean of
    *  those of the triangles about its point. */

@@ -16,7 +16,7 @@
 #include "aras_visual_servo_sim/config/types.hpp"
 #include "aras_visual_servo_sim/image/image.hpp"
 #include "aras_visual_servo_sim/physics/ray_caster.hpp"
-#include "aras_visual_servo_sim/render/undrawn.hpp"
+#include "aras_visual_servo_sim/render/coverage_renderer.hpp"
 #include "aras_visual_servo_sim/simulation/cameras/cameras.hpp"
 #include "aras_visual_servo_sim/simulation/cameras/frame_drawer.hpp"
 #include "aras_visual_servo_sim/simulation/models/model_set.hpp"

@@ -4,9 +4,8 @@
 #include <aras_visual_servo_common/text.hpp>
 #include <cmath>
 
-#include "aras_visual_servo_sim/camera/camera_config_reader.hpp"
 #include "aras_visual_servo_sim/config/errors.hpp"
-#include "aras_visual_servo_sim/image/sensor/sensor_config.hpp"
+#include "aras_visual_servo_sim/image/sensor/sensor.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -16,11 +15,30 @@ using aras_visual_servo_common::numberText;
 /** A principal point outside the image is legal (a cropped image) but ten images away it is a mistake. */
 constexpr double kFarthestCenter = 10.0;
 
+/** Checks keys of a camera that may come from elsewhere than YAML. */
+struct Checking {
+  const Schema& section;
+  FaultList& faults;
+  template <typename T>
+  void operator()(const char* key, const T& value) const {
+    checkValue(section, key, value, faults);
+  }
+  void operator()(const char* key, const std::string& value) const {
+    const bool is_choice = !section.property(YAML::Node(), key)->choices.empty();
+    if (is_choice) checkValue(section, key, value, faults);  // any text is allowed as a name, also ""
+  }
+  void operator()(const char* key, const std::optional<double>& value) const {
+    if (value) checkValue(section, key, *value, faults);
+  }
+  void operator()(const char*, bool) const {}
+  void operator()(const char*, const std::optional<SensorConfig>&) const {}  // comes from YAML alone
+};
+
 }  // namespace
 
 CameraModel::CameraModel(const CameraConfig& config) : config_(config) {
   FaultList faults;
-  checkKeys(config, faults);
+  CameraKeys::visitKeys(config, Checking{CameraKeys::schema(), faults});
   if (config.far_m <= config.near_m) {
     faults.add("far_m", numberText(config.far_m), "> near_m, " + numberText(config.near_m));
   }
@@ -51,7 +69,26 @@ CameraModel::CameraModel(const CameraConfig& config) : config_(config) {
 
 void CameraModel::checkSensor(FaultList& faults) const {
   const SensorConfig& sensor = *config_.sensor;
-  aras_visual_servo_sim::checkSensor(sensor, config_.encoding, faults);
+  if (sensor.black_level_dn >= mostDn(sensor)) {
+    faults.add("sensor.black_level_dn", numberText(sensor.black_level_dn),
+               "< 2^adc_bits - 1, " + numberText(mostDn(sensor)));
+  }
+  if (const auto& lens = sensor.depth_of_field; lens) {
+    if (lens->focal_length_m >= lens->focus_distance_m) {
+      faults.add("sensor.depth_of_field.focal_length_m", numberText(lens->focal_length_m),
+                 "< focus_distance_m, " + numberText(lens->focus_distance_m));
+    }
+    if (sensor.defocus_px > 0.0) {
+      faults.add("sensor.defocus_px", numberText(sensor.defocus_px), "0 beside depth_of_field");
+    }
+  }
+  if (sensor.jpeg_quality > 0 && (config_.encoding == "mono16" || config_.encoding == "rgb16")) {
+    faults.add("sensor.jpeg_quality", numberText(sensor.jpeg_quality),
+               "0 with " + config_.encoding + ": JPEG has 8 bits a value");
+  }
+  if (sensor.auto_white_balance && (config_.encoding == "mono8" || config_.encoding == "mono16")) {
+    faults.add("sensor.auto_white_balance", "a section", "none with " + config_.encoding + ", which has no colours");
+  }
   const double all_s = config_.exposure_s + sensor.row_time_s * (config_.height - 1);
   if (sensor.row_time_s > 0.0 && all_s >= 1.0 / config_.rate_hz) {
     faults.add("sensor.row_time_s", numberText(sensor.row_time_s),

@@ -42,8 +42,7 @@ Eigen::Vector2d CameraModel::distort(const Eigen::Vector3d& ray) const {
   return ray.head<2>() * (fisheye_.radius(std::atan2(r, ray.z())) / r);
 }
 
-/** Distorted radius of a point at normalised radius r, tangential part left out, and its slope. Not of the equidistant
- *  lens. */
+/** Distorted radius at normalised radius r, tangential part left out, and its slope. Of polynomial lenses. */
 ValueAndSlope CameraModel::radial(double r) const {
   if (lens_ == Lens::kNone) return {r, 1.0};
   const double* d = distortion_.data();

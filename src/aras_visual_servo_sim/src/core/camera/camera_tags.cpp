@@ -24,6 +24,10 @@ Pose opticalInSensor() {
   return {Eigen::Vector3d::Zero(), Eigen::Quaterniond(R)};
 }
 
+bool bends(const std::vector<double>& lens) {
+  return std::any_of(lens.begin(), lens.end(), [](double coefficient) { return coefficient != 0.0; });
+}
+
 /** Turns one tag into a camera, collecting what Gazebo does otherwise. */
 class TagReader {
  public:
@@ -89,12 +93,10 @@ class TagReader {
         ", allowed R8G8B8, B8G8R8, L8, R16G16B16, L16, BAYER_RGGB8, BAYER_BGGR8, BAYER_GBRG8, BAYER_GRBG8");
   }
 
-  /** The image by the sensor alone, camera_info by the plugin's keys and defaults (gazebo_ros_camera_utils.cpp, Init).
-   */
+  /** The image by the sensor alone, camera_info by the plugin's keys and defaults (gazebo_ros_camera_utils.cpp). */
   void readAsGazebo() {
     const double field = tag_.horizontal_fov_rad;
     if (field > 0.0) camera_.horizontal_fov_rad = field;
-    const std::vector<double> none(5, 0.0);
     if (!tag_.sensor_distortion.empty()) {
       camera_.distortion = tag_.sensor_distortion;
       camera_.distortion_model = "plumb_bob";
@@ -104,7 +106,7 @@ class TagReader {
     told.cx_px = tag_.cx != 0.0 ? tag_.cx : 0.5 * (tag_.width + 1);
     told.cy_px = tag_.cy != 0.0 ? tag_.cy : 0.5 * (tag_.height + 1);
     told.distortion = tag_.auto_distortion ? tag_.sensor_distortion : tag_.distortion;
-    if (told.distortion.empty()) told.distortion = none;
+    if (told.distortion.empty()) told.distortion.assign(5, 0.0);
     camera_.told = told;
     warn("sim/compatibility: gazebo: camera_info says what Gazebo's does, which is not how the image is drawn");
   }
@@ -112,8 +114,7 @@ class TagReader {
   /** Gazebo draws through any lens. */
   void warnOfFold() {
     constexpr double kSeen = 0.5;  // [px]
-    const std::vector<double>& lens = camera_.distortion;
-    if (std::none_of(lens.begin(), lens.end(), [](double coefficient) { return coefficient != 0.0; })) return;
+    if (!bends(camera_.distortion)) return;
     try {
       const CameraModel drawn(camera_);
       const Eigen::Vector2d corner(-0.5, -0.5);
@@ -145,9 +146,6 @@ class TagReader {
   }
 
   void readLens() {
-    const auto bends = [](const std::vector<double>& lens) {
-      return std::any_of(lens.begin(), lens.end(), [](double coefficient) { return coefficient != 0.0; });
-    };
     const std::vector<double>&drawn = tag_.sensor_distortion, &told = tag_.distortion;
     if (tag_.fisheye) {
       camera_.distortion_model = "equidistant";

@@ -8,7 +8,7 @@
 #include "render/planar/planar_layer.hpp"
 #include "render/tiles/tile_curved.hpp"
 #include "render/triangles/triangle_list.hpp"
-#include "render/view/held.hpp"
+#include "render/view/pixel_box.hpp"
 #include "render/view/view_volume.hpp"
 
 namespace aras_visual_servo_sim {
@@ -104,8 +104,7 @@ class GeometryRenderer::Implementation {
           continue;
         }
         const double nearness = facet.plane.dot(ray);
-        const bool fisheye = camera.lens() == CameraModel::Lens::kEquidistant;
-        const double ahead = fisheye ? ray.cwiseAbs().maxCoeff() : 1.0;  // depth along its cell's axis, of s = 1
+        const double ahead = aheadOf(camera, ray);
         if (nearness * camera.farM() >= ahead && nearness * camera.nearM() <= ahead)
           see(out.at(u, v), nearness, id, out);
       }

@@ -4,7 +4,7 @@
 
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "aras_visual_servo_sim/config/section.hpp"
-#include "planar_shape.hpp"
+#include "scene_settings.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {

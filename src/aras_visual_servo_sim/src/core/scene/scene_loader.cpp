@@ -5,8 +5,8 @@
 
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "aras_visual_servo_sim/config/section.hpp"
-#include "planar_shape.hpp"
 #include "scene/mesh/mesh_cache.hpp"
+#include "scene_settings.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -20,8 +20,7 @@ YAML::Node modelFile(const std::string& path) {
   }
 }
 
-/** The model of such a shape, its picture loaded. @param base_dir  what a plain name of a picture is relative to
- *  @throws ModelError */
+/** The model of such a shape, its picture loaded: a plain name is relative to base_dir. @throws ModelError */
 PlanarModel planarModelOf(const std::string& name, const PlanarShape& shape, const PackagePaths& packages,
                           const std::string& base_dir = "") {
   std::optional<PlanarModel::Picture> picture;

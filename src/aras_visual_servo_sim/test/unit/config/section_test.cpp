@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include "aras_visual_servo_sim/camera/camera_config_reader.hpp"
+#include "aras_visual_servo_sim/camera/camera_config.hpp"
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "aras_visual_servo_sim/scene/scene.hpp"
 #include "aras_visual_servo_sim/simulation/simulation_config.hpp"
@@ -33,8 +33,8 @@ TEST(Sections, WhatIsMadeWithoutYamlIsWhatEmptySectionsGive) {
   EXPECT_EQ(Scene().light_direction_W, read.scene.light_direction_W);
 
   CameraConfig camera;
-  const CameraConfig camera_read =
-      cameraConfigFromYaml(YAML::Load("{name: c, frame: f, width: 4, height: 3, horizontal_fov_rad: 1.0}"));
+  const auto camera_read = readSection<CameraKeys>(
+      YAML::Load("{name: c, frame: f, width: 4, height: 3, horizontal_fov_rad: 1.0}"), "", [](auto&&...) {});
   EXPECT_EQ(camera.rate_hz, camera_read.rate_hz);
   EXPECT_EQ(camera.encoding, camera_read.encoding);
   EXPECT_EQ(camera.distortion_model, camera_read.distortion_model);

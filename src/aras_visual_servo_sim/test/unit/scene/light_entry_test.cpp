@@ -7,6 +7,7 @@
 #include <string>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
+#include "tools/messages.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -78,13 +79,9 @@ TEST(SdfLight, WhatIsWrongIsNamed) {
            {"<light name='a' type='spot'/>", "outer_angle"},
            {"<model name='a'/>", "<light>"},
            {"<light", "test"}}) {
-    try {
-      lightFromSdf(xml, "test");
-      ADD_FAILURE() << xml << " was accepted";
-    } catch (const ModelError& error) {
-      EXPECT_NE(std::string(error.what()).find(named), std::string::npos) << error.what();
-      EXPECT_EQ(std::string(error.what()).find("test"), 0u) << error.what();
-    }
+    const std::string said = messageOf<ModelError>([&text = xml] { lightFromSdf(text, "test"); });
+    EXPECT_HAS(said, named);
+    EXPECT_EQ(said.find("test"), 0u) << said;
   }
 }
 

@@ -6,7 +6,7 @@
 #include "aras_visual_servo_sim/scene/mesh_loader.hpp"
 #include "aras_visual_servo_sim/scene/scene_loader.hpp"
 #include "tools/folder_fixture.hpp"
-#include "tools/physics_tools.hpp"
+#include "tools/messages.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -67,6 +67,7 @@ TEST(PlanarModel, SaysWhatIsWrongWithItsOutlines) {
   EXPECT_HAS(fault({{{0, 0}, {1, 0}}}), "model 'm': outline 0: found 2 corners, allowed 3");
   EXPECT_EQ(fault({{{0, 0}, {1, 0}, {0, 1}}, {{0, 0}, {std::nan(""), 0}, {1, 1}}}),
             "model 'm': outline 1: a corner is not finite");
+  EXPECT_HAS(messageOf<ModelError>([] { PlanarModel("m", {}, Rgb{}, PlanarModel::Board{{1, 0}, {}}); }), "board");
   EXPECT_HAS(fault({{{0, 0}, {2, 2}, {2, 0}, {0, 2}}}), "model 'm': outline 0: edges cross");
   EXPECT_EQ(fault({{{0, 0}, {1, 1}, {2, 2}}}), "model 'm': outline 0: covers no area");
 }

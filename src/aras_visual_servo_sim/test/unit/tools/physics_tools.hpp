@@ -9,6 +9,7 @@
 
 #include "aras_visual_servo_sim/physics/multibody_world.hpp"
 #include "aras_visual_servo_sim/robot/urdf_loader.hpp"
+#include "tools/messages.hpp"
 
 namespace aras_visual_servo_sim {
 
@@ -72,24 +73,6 @@ inline WorldConfig weightless(double period_s = 0.001) {
   config.gravity_m_s2.setZero();
   return config;
 }
-
-/** Message of the E that `act` must throw. */
-template <typename E, typename Act>
-std::string messageOf(Act act) {
-  try {
-    act();
-  } catch (const E& error) {
-    return error.what();
-  } catch (const std::exception& error) {
-    ADD_FAILURE() << "another error: " << error.what();
-    return "";
-  }
-  ADD_FAILURE() << "nothing was thrown";
-  return "";
-}
-
-#define EXPECT_HAS(text, part) \
-  EXPECT_NE((text).find(part), std::string::npos) << "'" << (part) << "' not in: " << (text)
 
 /** The published gains, for six_joint_arm.urdf. */
 inline WorldConfig publishedDrives(Drive drive = Drive::kImplicit) {

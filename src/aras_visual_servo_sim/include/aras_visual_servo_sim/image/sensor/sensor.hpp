@@ -6,11 +6,14 @@
 #include <optional>
 #include <vector>
 
+#include "aras_visual_servo_sim/config/sections.hpp"
 #include "aras_visual_servo_sim/image/image.hpp"
 #include "aras_visual_servo_sim/image/sensor/depth_blur.hpp"
-#include "aras_visual_servo_sim/image/sensor/sensor_config.hpp"
 
 namespace aras_visual_servo_sim {
+
+/** The largest digital number of a sensor. */
+inline double mostDn(const SensorConfig& sensor) { return static_cast<double>((1 << sensor.adc_bits) - 1); }
 
 /** From the light that falls on a sensor to the bytes of an image, as EMVA Standard 1288 describes a linear camera:
  *
@@ -34,8 +37,7 @@ class Sensor {
 
   /** Whether light has to go through focus() before it is read out. */
   bool seesDepth() const { return depth_blur_.has_value(); }
-  /** Spreads light by how far away it comes from. @param depth_m  of each pixel; not a number: infinitely far
-   *  @pre seesDepth() */
+  /** Spreads light by its distance. @param depth_m  of each pixel; not a number: infinitely far @pre seesDepth() */
   void focus(const std::vector<float>& depth_m, FineImage& light) { depth_blur_->apply(depth_m, light); }
 
   /** @param light  rgb8 for a Bayer pattern, else of the image's channels; changed  @param image  resized

@@ -11,6 +11,11 @@ namespace aras_visual_servo_sim {
 namespace {
 
 constexpr double kDarkest = 1e-3;  // what is darker counts for this, so that a covered lens moves no faster
+constexpr int kQuantiles = 1 << 16;
+
+ARAS_WIDE void addRow(const float* from, float share, int count, float* to) {
+  for (int i = 0; i < count; ++i) to[i] += share * from[i];
+}
 
 }  // namespace
 
@@ -33,12 +38,6 @@ std::array<double, 2> nextBalance(const AutoWhiteBalanceConfig& config, const st
   };
   return {next(gains[0], means[0]), next(gains[1], means[2])};
 }
-
-namespace {
-
-constexpr int kQuantiles = 1 << 16;
-
-}  // namespace
 
 const std::vector<float>& normalQuantiles() {
   static const std::vector<float> table = [] {
@@ -80,14 +79,6 @@ std::vector<std::uint16_t> toneCurve(int adc_bits, double gamma) {
   }
   return tones;
 }
-
-namespace {
-
-ARAS_WIDE void addRow(const float* from, float share, int count, float* to) {
-  for (int i = 0; i < count; ++i) to[i] += share * from[i];
-}
-
-}  // namespace
 
 int reachOfDisc(double diameter_px) { return std::max(0, static_cast<int>(std::ceil(0.5 * diameter_px - 0.5))); }
 

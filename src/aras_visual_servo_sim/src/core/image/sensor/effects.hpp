@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "aras_visual_servo_sim/config/sections.hpp"
 #include "aras_visual_servo_sim/config/splitmix.hpp"
 #include "aras_visual_servo_sim/image/image.hpp"
-#include "aras_visual_servo_sim/image/sensor/sensor_config.hpp"
 
 namespace aras_visual_servo_sim {
 
@@ -24,8 +24,7 @@ ExposureSetting exposureOf(const AutoExposureConfig& config, double brightness);
  *  @param level  mean of that image over its largest */
 double nextBrightness(const AutoExposureConfig& config, double brightness, double level);
 
-/** The gains of red and blue for the image that comes delay_frames after one with these: so that the means become the
- *  same, by the hypothesis that the world is grey in the mean.
+/** The gains of red and blue for the image that comes delay_frames after one with these, of a world grey in the mean.
  *  @param means  of red, green and blue, before gains */
 std::array<double, 2> nextBalance(const AutoWhiteBalanceConfig& config, const std::array<double, 2>& gains,
                                   const std::array<double, 3>& means);

@@ -5,7 +5,6 @@
 #include <cstring>
 #include <utility>
 
-#include "aras_visual_servo_sim/image/sensor/bayer.hpp"
 #include "aras_visual_servo_sim/image/sensor/jpeg.hpp"
 #include "image/sensor/effects.hpp"
 
@@ -14,6 +13,11 @@ namespace {
 
 constexpr std::uint64_t kDarkPattern = 0x6473;  // keeps DSNU apart from PRNU
 constexpr double kWhite = 255.0 * kUnitsOf<std::uint16_t>;
+
+/** K of a sensor: without a given one, a full pixel is the largest digital number. */
+double systemGain(const SensorConfig& sensor) {
+  return sensor.system_gain_dn_per_e.value_or((mostDn(sensor) - sensor.black_level_dn) / sensor.saturation_capacity_e);
+}
 
 }  // namespace
 

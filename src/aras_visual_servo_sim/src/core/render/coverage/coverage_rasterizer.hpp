@@ -6,18 +6,11 @@
 #include <functional>
 #include <vector>
 
+#include "aras_visual_servo_sim/camera/camera_model.hpp"
 #include "aras_visual_servo_sim/image/image.hpp"
+#include "render/view/pixel_box.hpp"
 
 namespace aras_visual_servo_sim {
-
-/** Pixels u0 <= u < u1, v0 <= v < v1. */
-struct PixelBox {
-  int u0 = 0, v0 = 0, u1 = 0, v1 = 0;
-  bool empty() const { return u0 >= u1 || v0 >= v1; }
-  bool overlaps(const PixelBox& other) const {
-    return !empty() && !other.empty() && u0 < other.u1 && other.u0 < u1 && v0 < other.v1 && other.v0 < v1;
-  }
-};
 
 /** Fills closed outlines with a colour, each pixel in proportion to the area of it that is covered.
  *
@@ -60,5 +53,15 @@ class CoverageRasterizer {
   std::vector<Edge> edges_;
   std::vector<float> accumulator_;  // all zero between fills
 };
+
+/** Blackens what lies beyond the lens's circle, its border by exact coverage. @pre camera.showsLensCircle() */
+template <typename Value>
+void blackenBeyondLens(const CameraModel& camera, CoverageRasterizer& rasterizer, ImageOf<Value>& image);
+
+/** How coverage is counted in images of a camera. */
+inline CoverageRasterizer::Rule ruleOf(const CameraModel& camera) {
+  return camera.sampling() == CameraModel::Sampling::kCenter ? CoverageRasterizer::Rule::kCenter
+                                                             : CoverageRasterizer::Rule::kCoverage;
+}
 
 }  // namespace aras_visual_servo_sim

@@ -2,26 +2,30 @@
 
 #include <cstdint>
 #include <memory>
+#include <tuple>
 #include <vector>
 
 #include "render/opengl/gl/canvas.hpp"
-#include "render/opengl/view/lens_map.hpp"
+#include "render/opengl/view/pinhole_view.hpp"
 
 namespace aras_visual_servo_sim {
+
+class LensMap;
 
 /** The pictures that the image of one camera is made of, and the way from them to the image. */
 class CameraViews {
  public:
   /** @param fine  16 bits a channel, else 8 */
   CameraViews(const GlFunctions& gl, const CameraModel& camera, bool fine);
+  ~CameraViews();
 
   const std::vector<PinholeView>& views() const { return views_; }
   const Canvas& canvas(std::size_t k) const { return *canvases_[k]; }
   /** As large as the first picture, with one sample a pixel and without a depth. */
   const Canvas& singleSampled();
   /** Reads what was drawn. @param image  as many pixels as the camera has, r, g, b, a: 8 bits each, or 16 if fine */
-  void read(std::vector<std::uint32_t>& image) { readWith(pictures_, image); }
-  void read(std::vector<std::uint64_t>& image) { readWith(fine_pictures_, image); }
+  template <typename Pixel>
+  void read(std::vector<Pixel>& image);
   /** Whether a pixel of the image is one of a picture. */
   bool readsInParts() const { return !lens_ && factor_ == 1; }
   /** Reads at least the pixels in this box; the others may stay as they are, and do if readsInParts(). */
@@ -32,9 +36,6 @@ class CameraViews {
   }
 
  private:
-  template <typename Pixel>
-  void readWith(std::vector<std::vector<Pixel>>& pictures, std::vector<Pixel>& image);
-
   const GlFunctions& gl_;
   const bool fine_;
   std::unique_ptr<LensMap> lens_;  // none: one picture, of as many pixels or of twice as many each way
@@ -42,8 +43,7 @@ class CameraViews {
   std::vector<PinholeView> views_;
   std::vector<std::unique_ptr<Canvas>> canvases_;
   std::unique_ptr<Canvas> single_sampled_;  // made when it is needed
-  std::vector<std::vector<std::uint32_t>> pictures_;
-  std::vector<std::vector<std::uint64_t>> fine_pictures_;
+  std::tuple<std::vector<std::vector<std::uint32_t>>, std::vector<std::vector<std::uint64_t>>> pictures_;  // scratch
 };
 
 }  // namespace aras_visual_servo_sim

@@ -6,6 +6,7 @@
 #include <list>
 #include <map>
 #include <mutex>
+#include <tuple>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -13,9 +14,8 @@
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "aras_visual_servo_sim/config/wide.hpp"
 #include "aras_visual_servo_sim/image/pixel_color.hpp"
-#include "render/coverage/image_circle.hpp"
+#include "render/coverage/coverage_rasterizer.hpp"
 #include "render/opengl/camera_views.hpp"
-#include "render/opengl/gl/compiler_memory.hpp"
 #include "render/opengl/gl/gl_context.hpp"
 #include "render/opengl/gl/packed_pixel.hpp"
 #include "render/opengl/scene/flat_painter.hpp"
@@ -60,8 +60,7 @@ void write(Pixel pixel, Encoding encoding, Value* out) {
 #if defined(__GNUC__) && !defined(__clang__)
 using Bytes16 = std::uint8_t __attribute__((vector_size(16)));
 
-/** Bytes r, g, b, a of pixels to r, g, b, or b, g, r: four pixels at a time, as far as 16 bytes can be written.
- *  @return how many pixels it did */
+/** Drops alpha and may swap r and b, four pixels at a time. @return how many pixels it did */
 ARAS_WIDE std::size_t dropAlpha(const std::uint32_t* pixels, std::size_t count, bool swap, std::uint8_t* to) {
   const Bytes16 straight = {0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14, 0, 0, 0, 0};
   const Bytes16 swapped = {2, 1, 0, 6, 5, 4, 10, 9, 8, 14, 13, 12, 0, 0, 0, 0};
@@ -88,7 +87,7 @@ ARAS_WIDE void toGrey(const std::uint32_t* pixels, std::size_t count, std::uint8
 }
 
 template <typename Value>
-void convert(const std::vector<typename PixelFor<Value>::Type>& pixels, ImageOf<Value>& out) {
+void convert(const std::vector<PixelFor<Value>>& pixels, ImageOf<Value>& out) {
   const int channels = out.channels();
   Value* to = out.data.data();
   std::size_t done = 0;
@@ -203,10 +202,10 @@ class OpenGlRenderer::Implementation {
     parts_->store.clean();
   }
 
-  void clear(const PixelPart& part, const Rgb& color) {
+  void clear(const PixelBox& part, const Rgb& color) {
     const GlFunctions& gl = context_->gl();
     gl.Enable(GL_SCISSOR_TEST);
-    gl.Scissor(part.left, part.top, part.right - part.left, part.bottom - part.top);
+    gl.Scissor(part.u0, part.v0, part.u1 - part.u0, part.v1 - part.v0);
     gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     gl.DepthMask(GL_TRUE);
     gl.ClearColor(color.r / 255.0f, color.g / 255.0f, color.b / 255.0f, 0.0f);
@@ -225,14 +224,14 @@ class OpenGlRenderer::Implementation {
     solids.begin(camera, X_WC, scene, views.views(), std::numeric_limits<Value>::max());
     flats.begin(planar_, X_CW, camera.nearM());
     const bool exact = camera.config().exact_targets && !solids.anyTransparent() && !flats.empty();
-    auto& pixels = pixelsOf<Value>();
+    auto& pixels = std::get<std::vector<PixelFor<Value>>>(pixels_);
     long sampled_px = 0;
     if (flats.empty() && views.readsInParts()) {
       sampled_px = drawInParts(scene, views, pixels);
     } else {
       for (std::size_t k = 0; k < views.views().size(); ++k) {
         const PinholeView& view = views.views()[k];
-        const PixelPart all{0, 0, view.width, view.height};
+        const PixelBox all{0, 0, view.width, view.height};
         views.canvas(k).bind();
         clear(all, scene.background);
         solids.drawIn(all);
@@ -254,15 +253,14 @@ class OpenGlRenderer::Implementation {
     if (exact) layTargetsOver(camera, views, out);
   }
 
-  /** Bodies and sky with several samples only where they can differ: elsewhere one shows the same, and costs a
-   *  fraction. @return how many pixels have several */
+  /** Bodies and sky, several samples only where they can differ. @return how many pixels have several */
   template <typename Pixel>
   long drawInParts(const Scene& scene, CameraViews& views, std::vector<Pixel>& pixels) {
     SolidPainter& solids = parts_->solids;
     const PinholeView& view = views.views()[0];
     const SolidPainter::Plan plan = solids.planOf(0);
     if (plan.sky || plan.backdrop) {
-      const PixelPart all{0, 0, view.width, view.height};
+      const PixelBox all{0, 0, view.width, view.height};
       views.singleSampled().bind();
       clear(all, scene.background);
       solids.drawIn(all, plan.sampled);
@@ -284,7 +282,7 @@ class OpenGlRenderer::Implementation {
       solids.drawTransparent(0);
       sampled_px += static_cast<long>(part.area());
     }
-    for (const auto& part : plan.sampled) canvas.read({part.left, part.top, part.right, part.bottom}, pixels);
+    for (const auto& part : plan.sampled) canvas.read(part, pixels);
     return sampled_px;
   }
 
@@ -295,7 +293,7 @@ class OpenGlRenderer::Implementation {
     planar_.samplePictures<Value>(camera, rasterizer_);
     planar_.paint(camera, rasterizer_, out);
     redrawn_.clear();
-    auto& pixels = pixelsOf<Value>();
+    auto& pixels = std::get<std::vector<PixelFor<Value>>>(pixels_);
     findHidden(pixels, out.width, out.height);
     for (const PixelBox& box : planar_.conflicts()) {
       for (int v = box.v0; v < box.v1; ++v) {
@@ -316,10 +314,10 @@ class OpenGlRenderer::Implementation {
 
   /** The smallest box about these pixels, of which there are some. */
   static PixelBox boxOf(const std::vector<std::size_t>& pixels, int width) {
-    PixelBox box{width, std::numeric_limits<int>::max(), 0, 0};
+    PixelBox box;
     for (const std::size_t at : pixels) {
       const int u = static_cast<int>(at % std::size_t(width)), v = static_cast<int>(at / std::size_t(width));
-      box = {std::min(box.u0, u), std::min(box.v0, v), std::max(box.u1, u + 1), std::max(box.v1, v + 1)};
+      box = box.with({u, v, u + 1, v + 1});
     }
     return box;
   }
@@ -347,16 +345,6 @@ class OpenGlRenderer::Implementation {
     }
   }
 
-  /** What was read, as values of this kind need it. */
-  template <typename Value>
-  std::vector<typename PixelFor<Value>::Type>& pixelsOf() {
-    if constexpr (sizeof(Value) > 1) {
-      return fine_pixels_;
-    } else {
-      return pixels_;
-    }
-  }
-
   mutable std::mutex mutex_;  // held while it draws
   MakeContext make_context_;
   std::string drew_with_;
@@ -364,9 +352,8 @@ class OpenGlRenderer::Implementation {
   std::unique_ptr<Parts> parts_;
   PlanarLayer planar_;
   CoverageRasterizer rasterizer_;
-  long shaders_ = 0;  // made when the last image was done
-  std::vector<std::uint32_t> pixels_;
-  std::vector<std::uint64_t> fine_pixels_;
+  long shaders_ = 0;                                                           // made when the last image was done
+  std::tuple<std::vector<std::uint32_t>, std::vector<std::uint64_t>> pixels_;  // as they were read
   std::vector<char> hidden_;
   std::vector<std::size_t> redrawn_;
 };

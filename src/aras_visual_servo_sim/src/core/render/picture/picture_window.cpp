@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "render/view/held.hpp"
+#include "render/view/pixel_box.hpp"
 
 namespace aras_visual_servo_sim {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "picture_window.hpp"
-#include "render/view/held.hpp"
+#include "render/view/pixel_box.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "aras_visual_servo_sim/image/pixel_color.hpp"
-#include "render/view/held.hpp"
+#include "render/view/pixel_box.hpp"
 #include "tile_integrals.hpp"
 
 namespace aras_visual_servo_sim {
@@ -52,7 +52,9 @@ void TextureSampler::sample(const CameraModel& camera, const Pose& X_CM, const P
   T_ = texels * inverse;
   pixels_ = T_ * raysOfPixels(camera);
   if (camera.sampling() == CameraModel::Sampling::kCenter) {
-    sampleCenters(box, out);
+    for (int v = box.v0; v < box.v1; ++v) {
+      for (int u = box.u0; u < box.u1; ++u) sampleCenter(u, v, out);
+    }
     return;
   }
   for (int v = box.v0; v < box.v1; v += kTile) {
@@ -86,13 +88,6 @@ void TextureSampler::write(const double* rgb, Value* pixel, Encoding encoding) c
   pixel[2] = value(rgb[encoding == Encoding::kBgr8 ? 0 : 2]);
 }
 
-template <typename Value>
-void TextureSampler::sampleCenters(const PixelBox& box, ImageOf<Value>& out) const {
-  for (int v = box.v0; v < box.v1; ++v) {
-    for (int u = box.u0; u < box.u1; ++u) sampleCenter(u, v, out);
-  }
-}
-
 /** Texel nearest to what the centre of a pixel sees. */
 template <typename Value>
 void TextureSampler::sampleCenter(int u, int v, ImageOf<Value>& out) const {
@@ -113,27 +108,24 @@ void TextureSampler::sampleTile(const PixelBox& box, ImageOf<Value>& out) {
   }
   constexpr double kSmall = 0.125;  // [texels] a whole tile: single precision would show
   const Eigen::Array2d size(texture_->width(), texture_->height()), &low = corners_.low(), &high = corners_.high();
-  Tile tile;
-  tile.box = box;
-  tile.border = !((low >= 0.0).all() && (high <= size).all() && (high - low).maxCoeff() >= kSmall);
-  tile.seen = (high >= 0.0).all() && (low <= size).all();
-  if (!tile.seen) return;
+  if (!((high >= 0.0).all() && (low <= size).all())) return;
+  const bool border = !((low >= 0.0).all() && (high <= size).all() && (high - low).maxCoeff() >= kSmall);
   if (out.channels() == 3) {
-    tile.border ? integrateBorder<3>(tile, out) : integrateInside(tile, color_means_, out);
+    border ? integrateBorder<3>(box, out) : integrateInside(box, color_means_, out);
   } else {
-    tile.border ? integrateBorder<1>(tile, out) : integrateInside(tile, grey_means_, out);
+    border ? integrateBorder<1>(box, out) : integrateInside(box, grey_means_, out);
   }
 }
 
 template <int channels, typename Value>
-void TextureSampler::integrateInside(const Tile& tile, PictureMeans<channels, kTile>& means, ImageOf<Value>& out) {
+void TextureSampler::integrateInside(const PixelBox& box, PictureMeans<channels, kTile>& means, ImageOf<Value>& out) {
   if (!means.integrate(corners_, *texture_, Wrap::kClamp, Wrap::kClamp)) {
-    integrateMany<channels>(tile, out);
+    integrateMany<channels>(box, out);
     return;
   }
   for (int j = 0; j < corners_.rows(); ++j) {
     writeRow(means.means() + j * kTile, corners_.columns(), out.encoding == Encoding::kBgr8,
-             out.pixel(tile.box.u0, tile.box.v0 + j));
+             out.pixel(box.u0, box.v0 + j));
   }
 }
 
@@ -146,14 +138,13 @@ const Texture::Level& TextureSampler::levelOf(int channels, double& merged) cons
   return levels[k];
 }
 
-/** Of pixels that see many texels. Edges of a row of pixels: their corners below those of the row before, the integrals
- * of which are known. */
+/** Of pixels that see many texels, row by row: each shares its upper edges with the row before. */
 template <int channels, typename Value>
-void TextureSampler::integrateMany(const Tile& tile, ImageOf<Value>& out) const {
+void TextureSampler::integrateMany(const PixelBox& box, ImageOf<Value>& out) const {
   using Integrals = TileIntegrals<channels>;
   double merged = 1.0;
   const Texture::Level& level = levelOf(channels, merged);
-  const int columns = tile.box.u1 - tile.box.u0, rows = tile.box.v1 - tile.box.v0;
+  const int columns = box.u1 - box.u0, rows = box.v1 - box.v0;
   const int column = static_cast<int>(corners_.low().x()), row = static_cast<int>(corners_.low().y() / merged);
   Integrals integrals(level, texture_->width(), column, row);
   std::array<float, Integrals::kMostEdges + 1> x[2]{}, y[2]{};
@@ -167,7 +158,7 @@ void TextureSampler::integrateMany(const Tile& tile, ImageOf<Value>& out) const 
     integrals.along(x1.data(), y1.data(), x1.data() + 1, y1.data() + 1, columns, across[j % 2]);
     if (j == 0) continue;
     integrals.along(x0.data(), y0.data(), x1.data(), y1.data(), columns + 1, down);
-    Value* pixel = out.pixel(tile.box.u0, tile.box.v0 + j - 1);
+    Value* pixel = out.pixel(box.u0, box.v0 + j - 1);
     for (int i = 0; i < columns; ++i, pixel += channels) {
       const auto sum = across[1 - j % 2][i] + down[i + 1] - across[j % 2][i] - down[i];
       const float area = 0.5f * ((x1[i + 1] - x0[i]) * (y1[i] - y0[i + 1]) - (y1[i + 1] - y0[i]) * (x1[i] - x0[i + 1]));
@@ -208,11 +199,47 @@ void TextureSampler::sampleRays(const PixelBox& box, ImageOf<Value>& out) const 
   }
 }
 
-// For texture_border.cpp.
-template void TextureSampler::sampleCenter(int, int, Image&) const;
-template void TextureSampler::sampleCenter(int, int, FineImage&) const;
-template void TextureSampler::write(const double*, std::uint8_t*, Encoding) const;
-template void TextureSampler::write(const double*, std::uint16_t*, Encoding) const;
+/** At the picture's border a pixel gets the mean of the part that sees it. */
+template <int channels, typename Value>
+void TextureSampler::integrateBorder(const PixelBox& box, ImageOf<Value>& out) {
+  double merged = 1.0;
+  const Texture::Level& level = levelOf(channels, merged);
+  const int columns = box.u1 - box.u0, rows = box.v1 - box.v0;
+  constexpr double kFarthest = 1e8;  // [texels] so that rows and columns are numbers
+  const auto corner = [&](int i, int j) {
+    return Eigen::Vector2d(held(corners_.s(i, j), -kFarthest, kFarthest),
+                           held(corners_.t(i, j) / merged, -kFarthest, kFarthest));
+  };
+  for (int j = 0; j <= rows; ++j) {
+    for (int i = 0; i <= columns; ++i) {
+      const Eigen::Vector2d here = corner(i, j);
+      const int at = 4 * (j * kStride + i);
+      if (i < columns) integrateEdge<channels>(level, texture_->width(), here, corner(i + 1, j), &across_[at]);
+      if (j < rows) integrateEdge<channels>(level, texture_->width(), here, corner(i, j + 1), &down_[at]);
+    }
+  }
+  for (int j = 0; j < rows; ++j) {
+    Value* pixel = out.pixel(box.u0, box.v0 + j);
+    for (int i = 0; i < columns; ++i, pixel += channels) {
+      const int at = 4 * (j * kStride + i), below = at + 4 * kStride, right = at + 4;
+      double sum[4];
+      for (int c = 0; c <= channels; ++c)
+        sum[c] = across_[at + c] + down_[right + c] - across_[below + c] - down_[at + c];
+      const Eigen::Vector2d d1 = corner(i + 1, j + 1) - corner(i, j), d2 = corner(i, j + 1) - corner(i + 1, j);
+      const double area = 0.5 * (d1.x() * d2.y() - d1.y() * d2.x());
+      constexpr double kSliver = 1e-6;  // of a pixel's area: changes no 8-bit value
+      if (std::abs(sum[channels]) <= kSliver * std::abs(area)) {
+        sampleCenter(box.u0 + i, box.v0 + j, out);
+        continue;
+      }
+      const double scale = 1.0 / (sum[channels] * merged);  // sums cover `merged` rows each, and so does a unit of y
+      double mean[3];
+      for (int c = 0; c < channels; ++c) mean[c] = sum[c] * scale;
+      write(mean, pixel, out.encoding);
+    }
+  }
+}
+
 template void TextureSampler::sample(const CameraModel&, const Pose&, const PlanarModel::Picture&, const PixelBox&,
                                      Image&);
 template void TextureSampler::sample(const CameraModel&, const Pose&, const PlanarModel::Picture&, const PixelBox&,

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "aras_visual_servo_sim/image/texture.hpp"
-#include "sum_lanes.hpp"
+#include "picture_window.hpp"
 
 namespace aras_visual_servo_sim {
 
@@ -109,5 +109,76 @@ class TileIntegrals {
   Coordinates sign_, x0_, y0_, x1_, y1_, slope_, rise_;
   std::array<int, kMostEdges> column_, last_column_, row_, crossed_;
 };
+
+// At a picture's border: in double precision, knowing where there is nothing.
+
+/** The running sums of one row of a level; nothing is seen left and right of them. */
+template <int channels>
+class BorderRow {
+ public:
+  BorderRow(const Texture::Level& level, int width, int row)
+      : sums_(level.sums.data() + std::size_t(row) * (width + 1) * channels), width_(width) {}
+
+  /** Adds dy times the mean of the sums over x0 .. x1, and of min(max(x, 0), width). */
+  void add(double x0, double x1, double dy, double* integral) const {
+    if (x0 > x1) std::swap(x0, x1);
+    const int first = floor(x0), last = floor(x1);
+    // Linear between texel edges, so the middle of each piece gives its mean.
+    if (first == last) {
+      addAt(0.5 * (x0 + x1), dy, integral);
+    } else if (last - first < kMostPieces) {
+      const double share = dy / (x1 - x0);
+      double left = x0;
+      for (int edge = first + 1; edge <= last; ++edge) {
+        addAt(0.5 * (left + edge), share * (edge - left), integral);
+        left = edge;
+      }
+      addAt(0.5 * (left + x1), share * (x1 - left), integral);
+    } else {
+      const double step = (x1 - x0) / kMostPieces;
+      for (int k = 0; k < kMostPieces; ++k) addAt(x0 + (k + 0.5) * step, dy / kMostPieces, integral);
+    }
+  }
+
+ private:
+  static constexpr int kMostPieces = 4;  // of an edge within one row: exact below, sampled above
+
+  static int floor(double x) {
+    const int i = static_cast<int>(x);
+    return x < i ? i - 1 : i;
+  }
+  void addAt(double x, double weight, double* integral) const {
+    x = std::clamp(x, 0.0, double(width_));
+    integral[channels] += weight * x;
+    const int i = std::min(static_cast<int>(x), width_ - 1);
+    const double part = x - i;
+    const std::int32_t* sum = sums_ + i * channels;
+    for (int c = 0; c < channels; ++c) integral[c] += weight * (sum[c] + part * (sum[c + channels] - sum[c]));
+  }
+
+  const std::int32_t* sums_;
+  int width_;
+};
+
+/** Integral of the running sum over dy along a straight edge; y in rows of the level, and nothing beyond its rows. */
+template <int channels>
+void integrateEdge(const Texture::Level& level, int width, const Eigen::Vector2d& a, const Eigen::Vector2d& b,
+                   double* integral) {
+  std::fill(integral, integral + channels + 1, 0.0);
+  const bool downwards = a.y() < b.y();
+  const Eigen::Vector2d &from = downwards ? a : b, &to = downwards ? b : a;
+  const double sign = downwards ? 1.0 : -1.0;
+  const double top = std::max(from.y(), 0.0), bottom = std::min(to.y(), double(level.rows));
+  if (!(bottom > top)) return;
+  const double slope = (to.x() - from.x()) / (to.y() - from.y());
+  double y0 = top, x0 = from.x() + (top - from.y()) * slope;
+  for (int row = std::min(static_cast<int>(top), level.rows - 1); y0 < bottom; ++row) {
+    const double y1 = row + 1 >= level.rows ? bottom : std::min(bottom, row + 1.0);
+    const double x1 = from.x() + (y1 - from.y()) * slope;
+    BorderRow<channels>(level, width, row).add(x0, x1, sign * (y1 - y0), integral);
+    y0 = y1;
+    x0 = x1;
+  }
+}
 
 }  // namespace aras_visual_servo_sim

@@ -5,18 +5,13 @@
 #include <limits>
 
 #include "aras_visual_servo_sim/image/pixel_color.hpp"
-#include "render/coverage/image_circle.hpp"
-#include "render/view/held.hpp"
+#include "render/view/pixel_box.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
 
 constexpr double kChord = 1e-3;     // [px] a curve may stray from its chord; its area by two thirds of that
 constexpr double kCoplanar = 1e-9;  // [m] rounding of points that lie in a plane, k eps times metres
-
-PixelBox intersection(const PixelBox& a, const PixelBox& b) {
-  return {std::max(a.u0, b.u0), std::max(a.v0, b.v0), std::min(a.u1, b.u1), std::min(a.v1, b.v1)};
-}
 
 PixelBox boxOf(const std::vector<Eigen::Vector2d>& points, std::size_t begin, const CameraModel& camera) {
   const double infinity = std::numeric_limits<double>::infinity();
@@ -85,7 +80,7 @@ void PlanarLayer::giveBack(View&& view) {
 bool PlanarLayer::addModel(const CameraModel& camera, const ViewVolume& volume, const Pose& X_CM,
                            const PlanarModel& model) {
   cells_.clear();
-  for (const ViewCell& cell : volume.cells()) {
+  for (const ViewCell& cell : volume) {
     if (!cell.excludes(X_CM.p, model.radius())) cells_.emplace_back(&cell, cell.contains(X_CM.p, model.radius()));
   }
   if (cells_.empty()) return false;
@@ -179,7 +174,7 @@ void PlanarLayer::sort() {
       } else if (isBehind(views_[j], views_[i])) {
         must_precede_[j * n + i] = 1;
       } else {
-        conflicts_.push_back(intersection(views_[i].box, views_[j].box));
+        conflicts_.push_back(views_[i].box.within(views_[j].box));
       }
     }
   }

@@ -16,8 +16,7 @@ namespace aras_visual_servo_sim {
 /** The planar models of a scene as one camera sees them, back to front. */
 class PlanarLayer {
  public:
-  /** Projects what is in view and puts it in order.
-   *  @param X_CW  pose of the world in the camera's frame */
+  /** Projects what is in view and puts it in order. */
   void project(const CameraModel& camera, const ViewVolume& volume, const Pose& X_CW, const Scene& scene);
 
   /** Samples the pictures in view, as wide as the image, for images of this kind of values. @pre project() */
@@ -39,8 +38,7 @@ class PlanarLayer {
   /** Faces in view in the order of painting, farthest first. */
   const std::vector<Face>& faces() const { return faces_; }
 
-  /** Visits the faces in view in the order of painting, with their plane normal_C . p = offset in the camera's frame.
-   */
+  /** Visits the faces in view in the order of painting, with their plane normal_C . p = offset. */
   void forEachFace(
       const std::function<void(const Face& face, const Eigen::Vector3d& normal_C, double offset)>& visit) const;
   /** Adds the edges of a face to a fill. @param face  the one being visited by forEachFace */

@@ -6,11 +6,6 @@
 namespace aras_visual_servo_sim {
 namespace {
 
-/** Depth of the point at 1 on a ray along the axis that near_m and far_m are measured on. */
-double aheadOf(const CameraModel& camera, const Eigen::Vector3d& ray) {
-  return camera.lens() == CameraModel::Lens::kEquidistant ? ray.cwiseAbs().maxCoeff() : 1.0;
-}
-
 /** Whether some ray of a pixel may meet the unbounded surface: an upper bound of d^T form d over its square. */
 bool meets(const CurvedPatch& patch, const PixelRays& rays) {
   const Eigen::Vector3d turned = patch.form * rays.middle;

@@ -3,7 +3,7 @@
 #include <array>
 #include <cstdint>
 
-#include "render/curved/curved_patch.hpp"
+#include "render/curved/curved_list.hpp"
 #include "render/pixels/pixel_samples.hpp"
 #include "render/view/pixel_rays.hpp"
 #include "tile_bins.hpp"
@@ -26,8 +26,7 @@ class TileCurved {
   std::array<float, TileBins::kTile * TileBins::kTile> nearest, farthest;  ///< bounds of near_m / Z in each pixel
 };
 
-/** 1 / s of what a ray of a camera sees of a patch at s times the ray; 0 where it sees nothing of it, or what it sees
- *  is nearer than near_m or farther than far_m. */
+/** 1 / s of what a ray sees of a patch at s times the ray; 0 where it sees nothing between near_m and far_m. */
 double nearnessAt(const CameraModel& camera, const CurvedPatch& patch, const Eigen::Vector3d& ray);
 
 /** A patch about a pixel, for PixelSamples. */

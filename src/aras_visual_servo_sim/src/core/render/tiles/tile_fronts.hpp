@@ -6,7 +6,7 @@
 
 #include "aras_visual_servo_sim/camera/camera_model.hpp"
 #include "tile_bins.hpp"
-#include "tile_triangle.hpp"
+#include "tile_sight.hpp"
 
 namespace aras_visual_servo_sim {
 

@@ -36,7 +36,12 @@ void TilePainter::paintTile(int tile) {
   curved_.clear();
   const bool curved = tile < curved_list_->tiles() && curved_list_->begin(tile) != curved_list_->end(tile);
   if (!curved && paintFronts()) return;
-  setUp();
+  fragments_.clear();
+  first_.fill(-1);
+  front_.fill(-1);
+  floor_.fill(0.0f);
+  front_nearest_.fill(0.0f);
+  list_->isFlat() ? setUpFlat() : setUpBent();
   if (curved) addCurved(tile);
   const bool centers = camera_->sampling() == CameraModel::Sampling::kCenter;
   for (std::uint32_t k = 0; k < candidates_.size(); ++k) centers ? collectCenters(k) : collect(k);
@@ -66,7 +71,9 @@ bool TilePainter::paintFronts(const Canvas<Value>& canvas) {
   const int picture = facets[0]->picture;
   if (!all([picture](const Facet* facet) { return facet->picture == picture; })) return false;
   if (picture >= 0) {
-    copyPicture((*canvas.pictures)[picture], *canvas.image);
+    const ImageOf<Value>& seen = (*canvas.pictures)[picture];
+    const std::size_t count = std::size_t(box_.u1 - box_.u0) * seen.channels();
+    for (int v = box_.v0; v < box_.v1; ++v) std::copy_n(seen.pixel(box_.u0, v), count, canvas.image->pixel(box_.u0, v));
     return true;
   }
   const Eigen::Vector3f& first = facets[0]->rgb[0];
@@ -91,21 +98,6 @@ bool TilePainter::shade(const Facet& facet, TileColors& colors) {
   return true;
 }
 
-template <typename Value>
-void TilePainter::copyPicture(const ImageOf<Value>& picture, ImageOf<Value>& image) const {
-  const std::size_t count = std::size_t(box_.u1 - box_.u0) * image.channels();
-  for (int v = box_.v0; v < box_.v1; ++v) std::copy_n(picture.pixel(box_.u0, v), count, image.pixel(box_.u0, v));
-}
-
-void TilePainter::setUp() {
-  fragments_.clear();
-  first_.fill(-1);
-  front_.fill(-1);
-  floor_.fill(0.0f);
-  front_nearest_.fill(0.0f);
-  list_->isFlat() ? setUpFlat() : setUpBent();
-}
-
 void TilePainter::setUpFlat() {
   ahead_.fill(std::numeric_limits<float>::max());
   PixelRays rays = PixelRays::of(*camera_, box_.u0, box_.v0);
@@ -123,13 +115,12 @@ void TilePainter::setUpFlat() {
 }
 
 void TilePainter::setUpBent() {
-  const bool fisheye = camera_->lens() == CameraModel::Lens::kEquidistant;
   for (int v = box_.v0; v < box_.v1; ++v) {
     for (int u = box_.u0; u < box_.u1; ++u) {
       const int p = (v - box_.v0) * kTile + u - box_.u0;
       rays_[p] = PixelRays::of(*camera_, u, v);
       rounded_.set(p, rays_[p]);
-      ahead_[p] = fisheye ? static_cast<float>(rays_[p].middle.cwiseAbs().maxCoeff()) : 1.0f;
+      ahead_[p] = static_cast<float>(aheadOf(*camera_, rays_[p].middle));
     }
   }
 }
@@ -159,9 +150,9 @@ void TilePainter::collect(std::uint32_t index) {
 PixelBox TilePainter::touchedBy(const TileTriangle& t) const {
   const int width = box_.u1 - box_.u0, height = box_.v1 - box_.v0;
   if (list_->isFlat()) return {0, 0, width, height};
-  const TriangleList::Extent& extent = list_->extent(t.triangle);
-  return {std::clamp(extent.left - box_.u0, 0, width), std::clamp(extent.top - box_.v0, 0, height),
-          std::clamp(extent.right - box_.u0, 0, width), std::clamp(extent.bottom - box_.v0, 0, height)};
+  const PixelBox& extent = list_->extent(t.triangle);
+  return PixelBox{extent.u0 - box_.u0, extent.v0 - box_.v0, extent.u1 - box_.u0, extent.v1 - box_.v0}.within(
+      {0, 0, width, height});
 }
 
 /** Whether the middle of a pixel lies inside a triangle. */
@@ -289,13 +280,12 @@ void TilePainter::paintPixel(int p) {
     ++statistics_.sampled_pixels;
     samplePixel(p, rgb);
   }
-  std::visit([&](const auto& canvas) { put(rgb, p, *canvas.image); }, canvas_);
-}
-
-template <typename Value>
-void TilePainter::put(const double* rgb, int p, ImageOf<Value>& image) const {
-  const auto values = pixelOf<Value>(rgb[0], rgb[1], rgb[2], image.encoding);
-  std::copy_n(values.begin(), image.channels(), image.pixel(box_.u0 + p % kTile, box_.v0 + p / kTile));
+  const auto put = [&](auto& image) {
+    using Value = std::decay_t<decltype(*image.data.data())>;
+    const auto values = pixelOf<Value>(rgb[0], rgb[1], rgb[2], image.encoding);
+    std::copy_n(values.begin(), image.channels(), image.pixel(box_.u0 + p % kTile, box_.v0 + p / kTile));
+  };
+  std::visit([&](const auto& canvas) { put(*canvas.image); }, canvas_);
 }
 
 /** Which of the candidates seen_, none of which ends in the pixel, its middle sees; -1 unless they are one surface of
@@ -395,8 +385,7 @@ Eigen::Vector3d TilePainter::colorOf(const CurvedPatch& patch, int p, const Pixe
   return patch.texture ? Eigen::Vector3d(color.cwiseProduct(textureOf(patch, p, share)) / 255.0) : color;
 }
 
-/** Mean of the texels over a pixel that lies on the patch; at its outline and at the poles of a sphere, of the texels
- *  that the pixel's samples see. */
+/** Mean of the texels over a pixel; at the patch's outline and a sphere's poles, of those that its samples see. */
 Eigen::Vector3d TilePainter::textureOf(const CurvedPatch& patch, int p, const PixelSamples::Share& share) {
   const PixelRays& rays = rays_[p];
   const Eigen::Vector2d middle = patch.texel(rays.at(share.x, share.y));

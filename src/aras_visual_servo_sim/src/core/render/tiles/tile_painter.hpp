@@ -15,8 +15,6 @@
 #include "tile_curved.hpp"
 #include "tile_fronts.hpp"
 #include "tile_sight.hpp"
-#include "tile_texture.hpp"
-#include "tile_triangle.hpp"
 
 namespace aras_visual_servo_sim {
 
@@ -73,10 +71,7 @@ class TilePainter {
   bool paintFronts();
   template <typename Value>
   bool paintFronts(const Canvas<Value>& canvas);
-  template <typename Value>
-  void copyPicture(const ImageOf<Value>& picture, ImageOf<Value>& image) const;
   bool shade(const Facet& facet, TileColors& colors);
-  void setUp();
   void setUpFlat();
   void setUpBent();
   void collect(std::uint32_t candidate);
@@ -90,8 +85,6 @@ class TilePainter {
   void addFragment(int pixel, std::uint32_t candidate, float nearest, bool smooth, std::int32_t sight);
   void putInFront(int pixel, std::uint32_t candidate, float farthest, float nearest);
   void paintPixel(int pixel);
-  template <typename Value>
-  void put(const double* rgb, int pixel, ImageOf<Value>& image) const;
   template <typename Value>
   Eigen::Vector3d seenOf(const ImageOf<Value>& picture, int pixel) const;
   int smoothFront(int pixel) const;

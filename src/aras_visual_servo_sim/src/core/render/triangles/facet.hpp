@@ -1,7 +1,8 @@
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <array>
+#include <cmath>
 #include <cstdint>
 
 #include "aras_visual_servo_sim/scene/mesh_loader.hpp"
@@ -30,16 +31,50 @@ struct Facet {
   bool one_color = false;       ///< the corners' colours are equal
 
   /** @return false if its plane passes through the camera: it covers nothing */
-  bool place(const std::array<Eigen::Vector3d, 3>& points_C);
+  bool place(const std::array<Eigen::Vector3d, 3>& p) {
+    areal.row(0) = p[1].cross(p[2]);
+    areal.row(1) = p[2].cross(p[0]);
+    areal.row(2) = p[0].cross(p[1]);
+    const double determinant = areal.row(0).dot(p[0]);
+    constexpr double kLeast = 1e-100;  // its inverse, and products with it, stay finite
+    if (!(std::abs(determinant) > kLeast)) return false;
+    areal /= determinant;
+    plane = areal.colwise().sum();
+    return true;
+  }
   /** Sets edges too. @return false as place */
-  bool placeWithEdges(const std::array<Eigen::Vector3d, 3>& points_C);
+  bool placeWithEdges(const std::array<Eigen::Vector3d, 3>& p) {
+    if (!place(p)) return false;
+    const double side = p[0].dot(p[1].cross(p[2])) < 0.0 ? -1.0 : 1.0;
+    for (int k = 0; k < 3; ++k) {
+      const Eigen::Vector3d normal = p[k].cross(p[(k + 1) % 3]);
+      const double length = normal.norm();
+      if (!(length > 0.0)) return false;
+      edges[k] = side / length * normal;
+    }
+    return true;
+  }
   /** Areal coordinates of the point on a ray, held inside the triangle. */
-  Eigen::Vector3d weights(const Eigen::Vector3d& ray) const;
+  Eigen::Vector3d weights(const Eigen::Vector3d& ray) const {
+    const Eigen::Vector3d b = (areal * ray).cwiseMax(0.0);
+    const double sum = b.sum();
+    return sum > 0.0 ? Eigen::Vector3d(b / sum) : Eigen::Vector3d::Constant(1.0 / 3.0);
+  }
   /** Of the corners, texture left out. */
-  Eigen::Vector3d color(const Eigen::Vector3d& ray) const;
-  /** Texture coordinates of the point of its plane on a ray, inside or not. @return false if there is none ahead,
-   *  or but a grazing one */
-  bool texel(const Eigen::Vector3d& ray, Eigen::Vector2d& point) const;
+  Eigen::Vector3d color(const Eigen::Vector3d& ray) const {
+    if (one_color) return rgb[0].cast<double>();
+    const Eigen::Vector3d w = weights(ray);
+    return w[0] * rgb[0].cast<double>() + w[1] * rgb[1].cast<double>() + w[2] * rgb[2].cast<double>();
+  }
+  /** Texture coordinates of its plane on a ray, inside or not. @return false if it is not ahead, or grazing */
+  bool texel(const Eigen::Vector3d& ray, Eigen::Vector2d& point) const {
+    const Eigen::Vector3d b = areal * ray;
+    const double sum = b.sum();
+    constexpr double kGrazing = 1e-9;  // sine of the angle to the plane: beyond, texture coordinates mean nothing
+    if (!(sum > kGrazing * plane.norm() * ray.norm())) return false;
+    point = (b[0] * texels[0] + b[1] * texels[1] + b[2] * texels[2]) / sum;
+    return true;
+  }
 };
 
 /** Corner of a projected triangle [px]: image edges at 0 and width or height, y down. */

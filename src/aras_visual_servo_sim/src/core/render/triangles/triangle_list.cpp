@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "render/view/held.hpp"
+#include "render/view/pixel_box.hpp"
 #include "render/view/shading.hpp"
 
 namespace aras_visual_servo_sim {
@@ -59,22 +59,17 @@ bool TriangleList::addBodies(const Scene& scene, const Pose& X_CW) {
 
 void TriangleList::addShape(const Shape& shape, const Pose& X_CS, const Eigen::Vector3d& light_C) {
   const TriangleMesh& mesh = *shape.mesh;
-  const Eigen::Vector3d center = X_CS * (0.5f * (mesh.box_min + mesh.box_max)).cast<double>().eval();
-  const double radius = 0.5 * (mesh.box_max - mesh.box_min).cast<double>().norm();
+  const Eigen::Vector3d center = X_CS * mesh.center();
+  const double radius = mesh.radius();
   cells_.clear();
-  for (const ViewCell& cell : volume_->cells()) {
+  for (const ViewCell& cell : *volume_) {
     if (cell.excludes(center, radius) || cell.depth(center) - radius > camera_->farM()) continue;
     cells_.emplace_back(&cell, cell.contains(center, radius));
   }
   if (cells_.empty()) return;
   const Eigen::Matrix3d R = X_CS.q.toRotationMatrix();
   std::array<Eigen::Vector3d, 8> box;
-  for (int k = 0; k < 8; ++k) {
-    const Eigen::Vector3f corner(k & 1 ? mesh.box_max.x() : mesh.box_min.x(),
-                                 k & 2 ? mesh.box_max.y() : mesh.box_min.y(),
-                                 k & 4 ? mesh.box_max.z() : mesh.box_min.z());
-    box[k] = X_CS.p + R * corner.cast<double>();
-  }
+  for (int k = 0; k < 8; ++k) box[k] = X_CS.p + R * mesh.corner(k);
   cells_.erase(std::remove_if(cells_.begin(), cells_.end(),
                               [&box](const auto& each) { return each.first->excludes(box.data(), box.size()); }),
                cells_.end());
@@ -131,7 +126,7 @@ void TriangleList::addPlanar(const PlanarLayer& planar, const Pose& X_CW) {
     facet.bias = kBias * static_cast<double>(++index);
     facet.rgb.fill(colorOf(face.color));
     cells_.clear();
-    for (const ViewCell& cell : volume_->cells()) {
+    for (const ViewCell& cell : *volume_) {
       cells_.emplace_back(&cell, cell.contains(X_CM.p, face.model->radius()));
     }
     const auto add = [&](const Polygon& polygon, const std::array<std::uint32_t, 3>& triangle) {
@@ -219,8 +214,7 @@ void TriangleList::addVertices(const std::array<Corner, 3>& corners, const Seams
   }
 }
 
-/** Of the triangle to come, row by row: what lies between the leftmost and the rightmost point of the outline corners_.
- */
+/** Of the triangle to come, row by row: what lies between the leftmost and the rightmost point of its outline. */
 void TriangleList::addSpans() {
   constexpr int kTile = CameraModel::kBlock;
   const int rows = (camera_->height() + kTile - 1) / kTile, columns = (camera_->width() + kTile - 1) / kTile;
@@ -275,8 +269,8 @@ bool TriangleList::addSpanOfOneRow(int rows, int columns) {
 
 void TriangleList::widenExtent(double margin) {
   const Eigen::Array2i first = (low_ - margin).floor().cast<int>(), last = (high_ + margin).floor().cast<int>() + 1;
-  extent_ = {std::min(extent_.left, first.x()), std::min(extent_.top, first.y()), std::max(extent_.right, last.x()),
-             std::max(extent_.bottom, last.y())};
+  extent_ = {std::min(extent_.u0, first.x()), std::min(extent_.v0, first.y()), std::max(extent_.u1, last.x()),
+             std::max(extent_.v1, last.y())};
 }
 
 /** Halves an edge until its image is about straight. */

@@ -36,12 +36,8 @@ class TriangleList {
     int row, first, last;
   };
   const std::vector<Span>& spans() const { return spans_; }
-  /** Pixels, of the image or beyond it, that a triangle may touch: left <= u < right, top <= v < bottom. */
-  struct Extent {
-    int left, top, right, bottom;
-  };
-  /** Of triangle k. @pre not isFlat() */
-  const Extent& extent(std::size_t k) const { return extents_[k]; }
+  /** Pixels, of the image or beyond it, that triangle k may touch. @pre not isFlat() */
+  const PixelBox& extent(std::size_t k) const { return extents_[k]; }
   /** What triangle k is a part of. */
   const Facet& facet(std::size_t k) const { return facets_[facet_of_[k]]; }
   /** Plane of triangle k in the camera's frame: plane . ray = 1 / Z for the point on a ray (x, y, 1). */
@@ -82,8 +78,8 @@ class TriangleList {
   std::vector<Eigen::Vector3f> colors_;            // scratch
   std::vector<Corner> corners_;                    // scratch
   std::vector<Span> spans_;
-  std::vector<Extent> extents_;
-  Extent extent_{};                              // of the triangle being added
+  std::vector<PixelBox> extents_;
+  PixelBox extent_;                              // of the triangle being added
   Eigen::Array2d low_, high_;                    // of the outline [px]
   double margin_ = 0.0;                          // by which it is taken to be larger [px]
   std::vector<std::pair<double, double>> rows_;  // scratch: columns that an outline spans in each row of tiles [px]

@@ -6,6 +6,11 @@
 
 namespace aras_visual_servo_sim {
 
+/** Depth of the point at 1 on a ray along the axis that near_m and far_m are measured on. */
+inline double aheadOf(const CameraModel& camera, const Eigen::Vector3d& ray) {
+  return camera.lens() == CameraModel::Lens::kEquidistant ? ray.cwiseAbs().maxCoeff() : 1.0;
+}
+
 /** Rays that see the square of a pixel: middle + x * across + y * down, x and y in [-1/2, 1/2]. Exact without a lens,
  *  through one the bilinear part of that between the rays through its corners. */
 struct PixelRays {

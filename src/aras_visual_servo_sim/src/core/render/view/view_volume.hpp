@@ -32,8 +32,7 @@ class ViewCell {
    *                was, and edges along the cell's planes get 0 */
   void clip(std::vector<Eigen::Vector3d>& polygon_C, std::vector<char>* seams = nullptr) const;
 
-  /** Through the fisheye, edges longer than this in (x, y) are cut whatever their middle says: it may lie on an
-   *  inflexion. */
+  /** Through the fisheye longer edges in (x, y) are cut anyway: their middle may lie on an inflexion. */
   static constexpr double kLongest = 0.25;
 
   /** Depth along the axis [m]. */
@@ -66,19 +65,14 @@ class ViewCell {
   std::size_t count_ = 0;
 };
 
-/** What a camera can see, slightly widened: one cell ahead; through the equidistant lens, where that sees farther than
- *  45 degrees from its axis, the faces of a cube about the camera, five of them at most, as lensAngle() < 125 degrees.
- */
+/** What a camera can see, slightly widened: one cell ahead; through an equidistant lens that sees farther than 45
+ *  degrees from its axis, up to five faces of a cube about the camera. */
 class ViewVolume {
  public:
   explicit ViewVolume(const CameraModel& camera);
-  /** To be gone through by for (... : ...). Nothing here is allocated: there is one of these for each frame. */
-  struct Cells {
-    const ViewCell *first, *last;
-    const ViewCell* begin() const { return first; }
-    const ViewCell* end() const { return last; }
-  };
-  Cells cells() const { return {cells_.data(), cells_.data() + count_}; }
+  /** The cells. Nothing here is allocated: there is one of these for each frame. */
+  const ViewCell* begin() const { return cells_.data(); }
+  const ViewCell* end() const { return cells_.data() + count_; }
 
  private:
   void addPinhole(const CameraModel& camera);

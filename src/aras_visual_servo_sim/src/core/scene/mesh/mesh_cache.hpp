@@ -5,11 +5,23 @@
 #include <vector>
 
 #include "aras_visual_servo_sim/robot/robot_model.hpp"
+#include "aras_visual_servo_sim/scene/lighting.hpp"
 #include "aras_visual_servo_sim/scene/mesh_loader.hpp"
-#include "aras_visual_servo_sim/scene/triangle_mesh.hpp"
-#include "mesh_materials.hpp"
 
 namespace aras_visual_servo_sim {
+
+/** Triangles of a mesh file that have one material; their colours and pictures are the mesh's. */
+struct MaterialMesh {
+  MeshPtr mesh;
+  Material material;
+};
+
+/** A mesh file by its materials; one plain mesh where it says nothing of them. @throws ModelError as loadMesh */
+std::vector<MaterialMesh> loadMaterialMeshes(const std::string& path, const Eigen::Vector3d& scale,
+                                             const PackagePaths& packages);
+
+/** Whether a material has no highlights, no light of its own, no back, and lets none through. */
+bool isPlain(const Material& material);
 
 /** Meshes of geometries and pictures of materials; loads each file once, however many shapes use it. */
 class MeshCache {
@@ -24,7 +36,6 @@ class MeshCache {
   TexturePtr picture(const std::string& uri);
 
  private:
-  /** Of the maps below. */
   std::string keyOf(const Geometry& geometry) const;
 
   const PackagePaths& packages_;
@@ -33,8 +44,7 @@ class MeshCache {
   std::map<std::string, TexturePtr> textures_;
 };
 
-/** A mesh with the same content that somebody in this process has, else this one. What draws many scenes then knows
- * that they show the same thing. Thread-safe. */
+/** A mesh with the same content that somebody in this process has, else this one. Thread-safe. */
 MeshPtr shared(MeshPtr mesh);
 
 }  // namespace aras_visual_servo_sim

@@ -14,9 +14,9 @@ namespace {
 
 using Eigen::Vector3f;
 
-void requirePositive(double value, const char* what) {
+void requirePositive(double value, const std::string& what) {
   if (!std::isfinite(value) || !(value > 0.0)) {
-    throw ModelError(std::string(what) + ": found " + std::to_string(value) + " m, allowed finite and > 0");
+    throw ModelError(what + ": found " + std::to_string(value) + " m, allowed finite and > 0");
   }
 }
 
@@ -87,6 +87,43 @@ void findNeighbours(TriangleMesh& mesh) {
   }
 }
 
+/** A cylinder or a cone. The picture goes once round the side, clockwise seen from +z, from +y on, its top at the
+ *  bottom: Gazebo's. The ends show the disc in the middle of it, as seen from outside with the picture's top at +y. */
+MeshPtr makeRoundBar(RoundShape::Kind kind, const std::string& name, double radius_m, double length_m, int segments) {
+  requirePositive(radius_m, name + " radius");
+  requirePositive(length_m, name + " length");
+  const bool cone = kind == RoundShape::Kind::kCone;
+  auto mesh = std::make_shared<TriangleMesh>();
+  const float radius = static_cast<float>(radius_m), half = static_cast<float>(0.5 * length_m);
+  const Vector3f low(0, 0, -half), high(0, 0, half);
+  const auto add = [&mesh](const Vector3f& point, const Vector3f& normal, float s, float t) {
+    mesh->texture_coordinates.emplace_back(s, t);
+    return addPoint(*mesh, point, normal);
+  };
+  const std::uint32_t bottom = add(low, {0, 0, -1}, 0.5f, 0.5f);
+  const std::uint32_t top = cone ? 0 : add(high, {0, 0, 1}, 0.5f, 0.5f);
+  for (int i = 0; i <= segments; ++i) {  // the last ones lie on the first, at the picture's other edge
+    const float turn = static_cast<float>(i) / static_cast<float>(segments);
+    const float angle = static_cast<float>(2.0 * M_PI * (i % segments) / segments);
+    const Vector3f out(std::cos(angle), std::sin(angle), 0.0f);
+    const Vector3f normal = cone ? Vector3f((2.0f * half * out + radius * Vector3f::UnitZ()).normalized()) : out;
+    const Vector3f end = cone ? high : Vector3f(radius * out + high);
+    const std::uint32_t here = add(radius * out + low, normal, 0.25f - turn, 0.0f);
+    add(end, normal, 0.25f - turn, 1.0f);
+    add(radius * out + low, {0, 0, -1}, 0.5f - 0.5f * out.x(), 0.5f - 0.5f * out.y());
+    if (!cone) add(end, {0, 0, 1}, 0.5f + 0.5f * out.x(), 0.5f + 0.5f * out.y());
+    if (i == segments) break;
+    const std::uint32_t next = here + (cone ? 3 : 4);
+    mesh->triangles.push_back({here, next, cone ? here + 1 : next + 1});
+    if (!cone) mesh->triangles.push_back({here, next + 1, here + 1});
+    mesh->triangles.push_back({bottom, next + 2, here + 2});
+    if (!cone) mesh->triangles.push_back({top, here + 3, next + 3});
+  }
+  mesh->round = {kind, radius_m, length_m};
+  mesh->finish();
+  return mesh;
+}
+
 }  // namespace
 
 void TriangleMesh::finish() {
@@ -100,8 +137,7 @@ void TriangleMesh::finish() {
   }
 }
 
-/** Faces carry the picture upright, +z up; the top face has the picture's top at +x, the bottom face at -x: Gazebo's.
- */
+/** Faces carry the picture upright, +z up; the top face has its top at +x, the bottom face at -x, as in Gazebo. */
 MeshPtr makeBox(const Eigen::Vector3d& size_m) {
   for (int i = 0; i < 3; ++i) requirePositive(size_m[i], "box size");
   auto mesh = std::make_shared<TriangleMesh>();
@@ -126,67 +162,12 @@ MeshPtr makeBox(const Eigen::Vector3d& size_m) {
   return mesh;
 }
 
-/** The picture goes once round the side, clockwise seen from +z, from +y on, its top at the bottom: Gazebo's. The ends
- *  show the disc in the middle of it, as seen from outside with the picture's top at +y. */
 MeshPtr makeCylinder(double radius_m, double length_m, int segments) {
-  requirePositive(radius_m, "cylinder radius");
-  requirePositive(length_m, "cylinder length");
-  auto mesh = std::make_shared<TriangleMesh>();
-  const float radius = static_cast<float>(radius_m), half = static_cast<float>(0.5 * length_m);
-  const auto add = [&mesh](const Vector3f& point, const Vector3f& normal, float s, float t) {
-    mesh->texture_coordinates.emplace_back(s, t);
-    return addPoint(*mesh, point, normal);
-  };
-  const std::uint32_t bottom = add({0, 0, -half}, {0, 0, -1}, 0.5f, 0.5f);
-  const std::uint32_t top = add({0, 0, half}, {0, 0, 1}, 0.5f, 0.5f);
-  for (int i = 0; i <= segments; ++i) {  // the last ones lie on the first, at the picture's other edge
-    const float turn = static_cast<float>(i) / static_cast<float>(segments);
-    const float angle = static_cast<float>(2.0 * M_PI * (i % segments) / segments);
-    const Vector3f out(std::cos(angle), std::sin(angle), 0.0f), low(0, 0, -half), high(0, 0, half);
-    const std::uint32_t here = add(radius * out + low, out, 0.25f - turn, 0.0f);
-    add(radius * out + high, out, 0.25f - turn, 1.0f);
-    add(radius * out + low, {0, 0, -1}, 0.5f - 0.5f * out.x(), 0.5f - 0.5f * out.y());
-    add(radius * out + high, {0, 0, 1}, 0.5f + 0.5f * out.x(), 0.5f - 0.5f * out.y());
-    if (i == segments) break;
-    const std::uint32_t next = here + 4;
-    mesh->triangles.push_back({here, next, next + 1});
-    mesh->triangles.push_back({here, next + 1, here + 1});
-    mesh->triangles.push_back({bottom, next + 2, here + 2});
-    mesh->triangles.push_back({top, here + 3, next + 3});
-  }
-  mesh->round = {RoundShape::Kind::kCylinder, radius_m, length_m};
-  mesh->finish();
-  return mesh;
+  return makeRoundBar(RoundShape::Kind::kCylinder, "cylinder", radius_m, length_m, segments);
 }
 
-/** The picture goes once round the side as round a cylinder's, and lies on the end as on a cylinder's lower one. */
 MeshPtr makeCone(double radius_m, double length_m, int segments) {
-  requirePositive(radius_m, "cone radius");
-  requirePositive(length_m, "cone length");
-  auto mesh = std::make_shared<TriangleMesh>();
-  const float radius = static_cast<float>(radius_m), half = static_cast<float>(0.5 * length_m);
-  const Vector3f low(0, 0, -half), tip(0, 0, half);
-  const auto add = [&mesh](const Vector3f& point, const Vector3f& normal, float s, float t) {
-    mesh->texture_coordinates.emplace_back(s, t);
-    return addPoint(*mesh, point, normal);
-  };
-  const std::uint32_t bottom = add(low, {0, 0, -1}, 0.5f, 0.5f);
-  for (int i = 0; i <= segments; ++i) {
-    const float turn = static_cast<float>(i) / static_cast<float>(segments);
-    const float angle = static_cast<float>(2.0 * M_PI * (i % segments) / segments);
-    const Vector3f out(std::cos(angle), std::sin(angle), 0.0f);
-    const Vector3f normal = (2.0f * half * out + radius * Vector3f::UnitZ()).normalized();
-    const std::uint32_t here = add(radius * out + low, normal, 0.25f - turn, 0.0f);
-    add(tip, normal, 0.25f - turn, 1.0f);
-    add(radius * out + low, {0, 0, -1}, 0.5f - 0.5f * out.x(), 0.5f - 0.5f * out.y());
-    if (i == segments) break;
-    const std::uint32_t next = here + 3;
-    mesh->triangles.push_back({here, next, here + 1});
-    mesh->triangles.push_back({bottom, next + 2, here + 2});
-  }
-  mesh->round = {RoundShape::Kind::kCone, radius_m, length_m};
-  mesh->finish();
-  return mesh;
+  return makeRoundBar(RoundShape::Kind::kCone, "cone", radius_m, length_m, segments);
 }
 
 /** The picture goes once round, counter-clockwise seen from +z, from +x on, its top at +z. */

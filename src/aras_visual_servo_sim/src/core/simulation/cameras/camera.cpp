@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "aras_visual_servo_sim/image/sensor/bayer.hpp"
 #include "aras_visual_servo_sim/image/sensor/gaussian_noise.hpp"
 
 namespace aras_visual_servo_sim {

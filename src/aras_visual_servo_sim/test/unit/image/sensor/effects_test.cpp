@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "aras_visual_servo_sim/image/sensor/bayer.hpp"
 #include "aras_visual_servo_sim/image/sensor/jpeg.hpp"
 
 namespace aras_visual_servo_sim {

@@ -243,9 +243,9 @@ TEST(OpenGlBackdrop, AMeshOfManyTrianglesIsDrawnOnce) {
   parts.add({100, 180, 160, 240});
   parts.join({50, 50, 201, 70});
   ASSERT_EQ(parts.parts().size(), 2u);
-  EXPECT_EQ(parts.parts()[1].right, 260);
-  EXPECT_EQ(parts.parts()[1].bottom, 60);
-  EXPECT_EQ(parts.parts()[0].top, 180);
+  EXPECT_EQ(parts.parts()[1].u1, 260);
+  EXPECT_EQ(parts.parts()[1].v1, 60);
+  EXPECT_EQ(parts.parts()[0].v0, 180);
 }
 
 TEST(OpenGlBackdrop, OnlyWhatHasNoEdgesWithinItsOutline) {

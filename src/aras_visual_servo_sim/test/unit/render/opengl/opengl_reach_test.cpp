@@ -70,14 +70,14 @@ TEST(OpenGlReach, ThePartIsSmallWhereTheShadowIs) {
     const Eigen::Matrix4d X_WS = Eigen::Affine3d(Eigen::Translation3d(x, 0.0, z)).matrix();
     return SeenMesh(*tiles(1), X_CW * X_WS, of_camera, view);
   };
-  const PixelPart part = seenAt(0.0, 0.0).shadowOf(caster, camera.nearM());
+  const PixelBox part = seenAt(0.0, 0.0).shadowOf(caster, camera.nearM());
   const Eigen::Vector2d a = *camera.project(kAbove.inverse() * Eigen::Vector3d(0.1, 0.1, 0.0));
   const Eigen::Vector2d b = *camera.project(kAbove.inverse() * Eigen::Vector3d(0.2, 0.2, 0.0));
   constexpr double kRim = 4.0;  // [px]: two about the part, two for whole pixels
-  EXPECT_NEAR(part.left, std::min(a.x(), b.x()), kRim);
-  EXPECT_NEAR(part.right, std::max(a.x(), b.x()), kRim);
-  EXPECT_NEAR(part.top, std::min(a.y(), b.y()), kRim);
-  EXPECT_NEAR(part.bottom, std::max(a.y(), b.y()), kRim);
+  EXPECT_NEAR(part.u0, std::min(a.x(), b.x()), kRim);
+  EXPECT_NEAR(part.u1, std::max(a.x(), b.x()), kRim);
+  EXPECT_NEAR(part.v0, std::min(a.y(), b.y()), kRim);
+  EXPECT_NEAR(part.v1, std::max(a.y(), b.y()), kRim);
   EXPECT_TRUE(seenAt(0.0, 0.3).box().meets(caster));
   EXPECT_FALSE(seenAt(0.0, 0.7).box().meets(caster));  // above all that casts
   EXPECT_TRUE(seenAt(0.0, 0.7).shadowOf(caster, camera.nearM()).empty());

@@ -12,6 +12,7 @@
 #include "opengl_tools.hpp"
 #include "render/opengl/gl/gl_context.hpp"
 #include "render/opengl/gl/shader_program.hpp"
+#include "tools/messages.hpp"
 
 namespace aras_visual_servo_sim::testing {
 namespace {
@@ -31,16 +32,6 @@ CameraModel rgbCamera() {
   CameraConfig config = cameraConfig();
   config.encoding = "rgb8";
   return CameraModel(config);
-}
-
-template <typename Error, typename Action>
-std::string messageOf(const Action& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "nothing was thrown";
 }
 
 TEST(OpenGlRun, AThreadHasOneRendererWhileSomebodyUsesIt) {
@@ -143,8 +134,9 @@ TEST(OpenGlRun, ShaderThatDoesNotCompileIsNamed) {
   const std::unique_ptr<GlContext> context = makeOsmesaContext();
   const GlContext::Binding binding(*context);
   const std::string message = messageOf<RenderError>([&] {
-    ShaderProgram(context->gl(), "broken", "#version 330 core\nvoid main() { gl_Position = vec4(0.0); }",
-                  "#version 330 core\nvoid main() { nonsense(); }");
+    ShaderProgram(context->gl(), "broken",
+                  {"#version 330 core\nvoid main() { gl_Position = vec4(0.0); }",
+                   "#version 330 core\nvoid main() { nonsense(); }"});
   });
   EXPECT_NE(message.find("shader 'broken' does not compile"), std::string::npos) << message;
   EXPECT_NE(message.find("nonsense"), std::string::npos) << message;

@@ -53,7 +53,7 @@ void Canvas::bind() const {
 }
 
 template <typename Pixel>
-void Canvas::readAs(GLenum type, const PixelBox& box, std::vector<Pixel>& pixels) const {
+void Canvas::read(const PixelBox& box, std::vector<Pixel>& pixels) const {
   pixels.resize(std::size_t(width_) * height_);
   if (box.empty()) return;
   if (resolved_) {
@@ -66,11 +66,12 @@ void Canvas::readAs(GLenum type, const PixelBox& box, std::vector<Pixel>& pixels
   gl_.PixelStorei(GL_PACK_ALIGNMENT, 4);
   gl_.PixelStorei(GL_PACK_ROW_LENGTH, width_);
   Pixel* first = pixels.data() + std::size_t(box.v0) * width_ + box.u0;
-  gl_.ReadPixels(box.u0, box.v0, box.u1 - box.u0, box.v1 - box.v0, GL_RGBA, type, first);
+  gl_.ReadPixels(box.u0, box.v0, box.u1 - box.u0, box.v1 - box.v0, GL_RGBA,
+                 sizeof(Pixel) == 4 ? GL_UNSIGNED_BYTE : GL_UNSIGNED_SHORT, first);
   gl_.BindFramebuffer(GL_FRAMEBUFFER, drawn_);
 }
 
-template void Canvas::readAs(GLenum, const PixelBox&, std::vector<std::uint32_t>&) const;
-template void Canvas::readAs(GLenum, const PixelBox&, std::vector<std::uint64_t>&) const;
+template void Canvas::read(const PixelBox&, std::vector<std::uint32_t>&) const;
+template void Canvas::read(const PixelBox&, std::vector<std::uint64_t>&) const;
 
 }  // namespace aras_visual_servo_sim

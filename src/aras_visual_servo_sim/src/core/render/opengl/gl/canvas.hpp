@@ -25,19 +25,16 @@ class Canvas {
 
   /** What is drawn from here on goes into it. */
   void bind() const;
-  /** Means over the samples of what was drawn so far: r, g, b, a for each pixel, in the order of OpenGL's rows. A
-   *  canvas of 16 bits is read into 64. */
-  void read(std::vector<std::uint32_t>& pixels) const { read(all(), pixels); }
-  void read(std::vector<std::uint64_t>& pixels) const { read(all(), pixels); }
+  /** Means over the samples: r, g, b, a for each pixel, OpenGL's first row first; 16 bits a channel into 64. */
+  template <typename Pixel>
+  void read(std::vector<Pixel>& pixels) const {
+    read({0, 0, width_, height_}, pixels);
+  }
   /** Only the pixels in a box, into their places; the others stay as they are. */
-  void read(const PixelBox& box, std::vector<std::uint32_t>& pixels) const { readAs(GL_UNSIGNED_BYTE, box, pixels); }
-  void read(const PixelBox& box, std::vector<std::uint64_t>& pixels) const { readAs(GL_UNSIGNED_SHORT, box, pixels); }
+  template <typename Pixel>
+  void read(const PixelBox& box, std::vector<Pixel>& pixels) const;
 
  private:
-  PixelBox all() const { return {0, 0, width_, height_}; }
-  template <typename Pixel>
-  void readAs(GLenum type, const PixelBox& box, std::vector<Pixel>& pixels) const;
-
   const GlFunctions& gl_;
   int width_, height_;
   GLuint drawn_ = 0, color_ = 0, depth_ = 0;  // frame buffer and what it is made of

@@ -26,8 +26,7 @@ class GlContext {
   };
 
   const GlFunctions& gl() const { return gl_; }
-  /** What draws and which version it is of, for example "llvmpipe (LLVM 15.0.6, 256 bits), 4.5 (Core Profile) Mesa
-   *  22.3.6". @pre bound */
+  /** What draws, and of which version: "llvmpipe (LLVM 15.0.6, 256 bits), 4.5 (Core Profile) Mesa ...". @pre bound */
   std::string description() const;
 
  protected:
@@ -43,9 +42,9 @@ std::unique_ptr<GlContext> makeOsmesaContext();
 /** The GPU if there is one, without a display. @throws RenderError naming the Debian package if libEGL is missing */
 std::unique_ptr<GlContext> makeEglContext();
 
-/** Sets, once in a process and before Mesa reads them, what it takes from the environment, unless the user has:
- *  LP_NUM_THREADS=0, for frames are so small that they are drawn fastest in the calling thread, and
- *  MESA_SHADER_CACHE_DIR, for compiled shaders: $ROS_HOME or ~/.ros, folder aras_visual_servo. */
-void prepareMesa();
+/** Gives back what the last shaders that were compiled took of the process's memory: heap that is free again, and the
+ *  pages of LLVM's library with its code and constants, some 45 MiB, which only compiling reads. The system keeps those
+ *  of a library in its cache as long as it has room; whoever compiles next gets them back one by one. */
+void giveBackCompilerMemory();
 
 }  // namespace aras_visual_servo_sim

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <type_traits>
 
 namespace aras_visual_servo_sim {
 
@@ -47,14 +48,6 @@ struct Packed {
 
 /** The pixels, as Canvas reads them, that values of an image are made of. */
 template <typename Value>
-struct PixelFor;
-template <>
-struct PixelFor<std::uint8_t> {
-  using Type = std::uint32_t;
-};
-template <>
-struct PixelFor<std::uint16_t> {
-  using Type = std::uint64_t;
-};
+using PixelFor = std::conditional_t<sizeof(Value) == 1, std::uint32_t, std::uint64_t>;
 
 }  // namespace aras_visual_servo_sim

@@ -7,13 +7,11 @@
 
 namespace aras_visual_servo_sim {
 
-ShaderProgram::ShaderProgram(const GlFunctions& gl, const std::string& name, const std::string& vertex,
-                             const std::string& fragment)
-    : gl_(gl) {
-  const GLuint first = compile(GL_VERTEX_SHADER, name, vertex);
+ShaderProgram::ShaderProgram(const GlFunctions& gl, const std::string& name, const ShaderText& text) : gl_(gl) {
+  const GLuint first = compile(GL_VERTEX_SHADER, name, text.vertex);
   GLuint second = 0;
   try {
-    second = compile(GL_FRAGMENT_SHADER, name, fragment);
+    second = compile(GL_FRAGMENT_SHADER, name, text.fragment);
   } catch (const RenderError&) {
     gl_.DeleteShader(first);
     throw;

@@ -7,6 +7,11 @@
 
 namespace aras_visual_servo_sim {
 
+/** Two shaders in OpenGL's language. */
+struct ShaderText {
+  std::string vertex, fragment;
+};
+
 /** A vertex and a fragment shader, linked. Vertices have the attributes of kAttributes, by their places in it. Its
  *  context is bound whenever one of its functions is called, and still there when it goes. */
 class ShaderProgram {
@@ -14,7 +19,7 @@ class ShaderProgram {
   static constexpr const char* kAttributes[] = {"position", "normal", "coordinates", "color"};
 
   /** @param name  for messages @throws RenderError with the compiler's words */
-  ShaderProgram(const GlFunctions& gl, const std::string& name, const std::string& vertex, const std::string& fragment);
+  ShaderProgram(const GlFunctions& gl, const std::string& name, const ShaderText& text);
   ~ShaderProgram();
   ShaderProgram(const ShaderProgram&) = delete;
   ShaderProgram& operator=(const ShaderProgram&) = delete;

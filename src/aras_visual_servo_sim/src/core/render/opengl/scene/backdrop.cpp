@@ -46,8 +46,7 @@ class Edges {
       : view_(view), near_m_(near_m), far_m_(far_m), parts_(parts) {}
 
   void add(Eigen::Vector3d a, Eigen::Vector3d b) {
-    const double left = (-kRim - view_.cx) / view_.fx, right = (view_.width - 1.0 + kRim - view_.cx) / view_.fx;
-    const double top = (-kRim - view_.cy) / view_.fy, bottom = (view_.height - 1.0 + kRim - view_.cy) / view_.fy;
+    const auto [left, right, top, bottom] = view_.border(kRim);
     const auto within = [&](double x, double y, double z, double distance) {
       const Eigen::RowVector3d n(x, y, z);
       return cut(a, b, double(n * a) + distance, double(n * b) + distance);
@@ -127,14 +126,13 @@ void addEdges(const TriangleMesh& mesh, const Eigen::Matrix4d& X_CS, const Pinho
 }
 
 bool fills(const TriangleMesh& mesh, const Eigen::Matrix4d& X_CS, const PinholeView& view, double near_m, double far_m,
-           const PixelPart& part) {
+           const PixelBox& part) {
   // What is seen of one face is convex: it fills the part if it is seen in the four corners.
   constexpr double kRim = 2.0;  // [px]
   const std::vector<Corners> triangles = placed(mesh, X_CS, view);
   Eigen::Vector3d face = Eigen::Vector3d::Zero();
   for (int corner = 0; corner < 4; ++corner) {
-    const Eigen::Vector3d ray(((corner & 1 ? part.right + kRim : part.left - kRim) - 0.5 - view.cx) / view.fx,
-                              ((corner & 2 ? part.bottom + kRim : part.top - kRim) - 0.5 - view.cy) / view.fy, 1.0);
+    const Eigen::Vector3d ray = view.rayThroughCorner(part, corner, kRim);
     const bool seen = std::any_of(triangles.begin(), triangles.end(), [&](const Corners& p) {
       for (int k = 0; k < 3; ++k) {
         if (ray.dot(p[k].cross(p[(k + 1) % 3])) > 0.0) return false;  // beside it, or it looks away

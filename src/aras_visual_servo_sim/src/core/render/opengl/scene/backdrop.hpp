@@ -19,6 +19,6 @@ void addEdges(const TriangleMesh& mesh, const Eigen::Matrix4d& X_CS, const Pinho
 
 /** Whether all of a part of a picture shows one face of a backdrop, or what stands before it. @pre as of addEdges() */
 bool fills(const TriangleMesh& mesh, const Eigen::Matrix4d& X_CS, const PinholeView& view, double near_m, double far_m,
-           const PixelPart& part);
+           const PixelBox& part);
 
 }  // namespace aras_visual_servo_sim

@@ -50,8 +50,7 @@ bool isFaceted(const TriangleMesh& mesh) {
   });
 }
 
-/** Whether the triangles enclose a space: along each edge as many run one way as the other, points in one place being
- *  the same. */
+/** Whether the triangles enclose a space: along each edge as many run one way as the other. */
 bool isClosed(const TriangleMesh& mesh) {
   std::vector<std::uint32_t> order(mesh.points.size()), place(order.size());
   std::iota(order.begin(), order.end(), 0u);

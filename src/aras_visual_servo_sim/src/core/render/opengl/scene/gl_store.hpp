@@ -52,8 +52,7 @@ class GlStore {
   /** Frees what no scene has any more. */
   void clean();
   const GlMesh& mesh(const MeshPtr& mesh) { return meshWith(mesh, 0); }
-  /** The same of a mesh that stands for a round body, with so many sides that its outline is right to 0.05 px.
-   *  @param outline_px  radius of the outline in the image */
+  /** The same of a round body, its outline right to 0.05 px. @param outline_px  its radius in the image */
   const GlMesh& roundMesh(const MeshPtr& mesh, double outline_px);
   /** A mesh with fewer triangles, for its shadow. @param error_m  how far a point may be from where it is, > 0 */
   GlOutline outline(const MeshPtr& mesh, double error_m);

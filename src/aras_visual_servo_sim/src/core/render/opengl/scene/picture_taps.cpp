@@ -21,11 +21,10 @@ int tapsFor(double length) {
 }
 
 /** Of all strips in some pixels the length over the width, at most. @param n_F  the plane's normal */
-double lengthIn(const PixelPart& where, const Eigen::Vector3d& n_F, double stretch, const PinholeView& view) {
+double lengthIn(const PixelBox& where, const Eigen::Vector3d& n_F, double stretch, const PinholeView& view) {
   double least = 1.0, most = -1.0, longest = 0.0;
   for (int k = 0; k < 4; ++k) {
-    const Eigen::Vector3d ray(((k & 1 ? where.right : where.left) - 0.5 - view.cx) / view.fx,
-                              ((k & 2 ? where.bottom : where.top) - 0.5 - view.cy) / view.fy, 1.0);
+    const Eigen::Vector3d ray = view.rayThroughCorner(where, k);
     const double slope = n_F.dot(ray);  // linear in the pixels: the corners bound it
     least = std::min(least, slope);
     most = std::max(most, slope);
@@ -39,19 +38,19 @@ double lengthIn(const PixelPart& where, const Eigen::Vector3d& n_F, double stret
 }  // namespace
 
 std::vector<TapRows> tapRowsOf(const MeshPart& part, const Eigen::Matrix4d& X_CS, const PinholeView& view,
-                               const PixelPart& where, bool split) {
+                               const PixelBox& where, bool split) {
   constexpr int kRows = 16;
   if (!part.picture) return {{where, 1}};
   if (part.normal.isZero()) return {{where, kCurvedTaps}};
   const Eigen::Vector3d n_F = view.R_FC * (X_CS.topLeftCorner<3, 3>() * part.normal.cast<double>()).normalized();
   std::vector<TapRows> all;
-  for (int top = where.top; top < where.bottom; top += split ? kRows : where.bottom - where.top) {
-    PixelPart rows = where;
-    rows.top = top;
-    if (split) rows.bottom = std::min(top + kRows, where.bottom);
+  for (int top = where.v0; top < where.v1; top += split ? kRows : where.v1 - where.v0) {
+    PixelBox rows = where;
+    rows.v0 = top;
+    if (split) rows.v1 = std::min(top + kRows, where.v1);
     const int taps = tapsFor(lengthIn(rows, n_F, part.stretch, view));
     if (!all.empty() && all.back().taps == taps) {
-      all.back().where.bottom = rows.bottom;
+      all.back().where.v1 = rows.v1;
     } else {
       all.push_back({rows, taps});
     }

@@ -11,7 +11,7 @@ namespace aras_visual_servo_sim {
 
 /** Rows of a picture in which a pixel's strip of a part's own picture takes at most so many taps. */
 struct TapRows {
-  PixelPart where;
+  PixelBox where;
   int taps;  ///< 1: it is no longer than wide
 };
 
@@ -20,6 +20,6 @@ struct TapRows {
  *  plane is therefore drawn in rows of few and rows of many.
  *  @param where  the pixels to be drawn  @param split  whether rows may differ */
 std::vector<TapRows> tapRowsOf(const MeshPart& part, const Eigen::Matrix4d& X_CS, const PinholeView& view,
-                               const PixelPart& where, bool split);
+                               const PixelBox& where, bool split);
 
 }  // namespace aras_visual_servo_sim

@@ -12,9 +12,6 @@ namespace {
 
 Eigen::Vector3f unit(const Rgb& color) { return Eigen::Vector3f(color.r, color.g, color.b) / 255.0f; }
 
-/** Radius of the ball about the middle of a mesh's box that holds it. */
-double radiusOf(const TriangleMesh& mesh) { return 0.5 * (mesh.box_max - mesh.box_min).cast<double>().norm(); }
-
 constexpr int kFirstMapUnit = 1;  // unit 0 has the picture
 constexpr int kBumpsUnit = kFirstMapUnit + LightSet::kMostShadows;
 constexpr float kUnmarked = 0.0f;  // alpha of what no mark of FlatPainter lies on
@@ -33,7 +30,7 @@ void SolidPainter::begin(const CameraModel& camera, const Pose& X_WC, const Scen
   scene_ = &scene;
   X_WC_ = X_WC;
   lights_ = std::make_unique<LightSet>(scene);
-  letters_ = lightLetters(*lights_);
+  letters_ = lights_->letters();
   most_highlight_.setZero();
   for (const Light& light : lights_->lights) most_highlight_ += light.specular;
   least_highlight_ = 0.5 / levels;
@@ -45,10 +42,8 @@ void SolidPainter::begin(const CameraModel& camera, const Pose& X_WC, const Scen
     const Pose X_CB = X_CW * body.X_WB;
     for (const Shape& shape : body.shapes) {
       const Pose X_CS = X_CB * shape.X_BS;
-      const TriangleMesh& mesh = *shape.mesh;
-      const Eigen::Vector3d middle = (0.5f * (mesh.box_min + mesh.box_max)).cast<double>();
       (shape.material.opacity < 1.0 ? transparent_ : opaque_)
-          .push_back({&shape, X_CS.matrix(), X_CS * middle, radiusOf(mesh)});
+          .push_back({&shape, X_CS.matrix(), X_CS * shape.mesh->center(), shape.mesh->radius()});
     }
   }
   std::stable_sort(transparent_.begin(), transparent_.end(),
@@ -102,7 +97,7 @@ std::optional<std::size_t> SolidPainter::backdropOf(const Seen& seen) const {
   return largest;
 }
 
-bool SolidPainter::isFilled(const Seen& seen, std::size_t backdrop, const PixelPart& part) const {
+bool SolidPainter::isFilled(const Seen& seen, std::size_t backdrop, const PixelBox& part) const {
   const Item& item = *seen.opaque[backdrop].item;
   return fills(*item.shape->mesh, item.X_CS, *seen.view, camera_->nearM(), camera_->farM(), part);
 }
@@ -111,12 +106,12 @@ SolidPainter::Plan SolidPainter::planOf(std::size_t view) const {
   constexpr double kWorthwhile = 0.7;   // of the pixels: beyond that, drawing the rest another way saves nothing
   constexpr std::size_t kHeavy = 1000;  // triangles: those are not drawn for one part after another
   const Seen& seen = seen_[view];
-  const PixelPart all{0, 0, seen.view->width, seen.view->height};
+  const PixelBox all{0, 0, seen.view->width, seen.view->height};
   Plan plan;
   plan.sky = scene_->lighting.zenith.has_value();
   plan.backdrop = backdropOf(seen);
   PixelParts parts(all);
-  PixelPart covered;
+  PixelBox covered;
   for (const std::vector<Sight>* sights : {&seen.opaque, &seen.transparent}) {
     for (const Sight& sight : *sights) {
       covered = covered.with(sight.covered);
@@ -135,7 +130,7 @@ SolidPainter::Plan SolidPainter::planOf(std::size_t view) const {
   }
   if (plan.sky || plan.backdrop) covered = all;
   if (parts.area() > kWorthwhile * covered.area()) return {{{covered}}, false, std::nullopt};
-  for (const PixelPart& part : parts.parts()) {
+  for (const PixelBox& part : parts.parts()) {
     plan.sampled.push_back({part, plan.backdrop && isFilled(seen, *plan.backdrop, part)});
   }
   return plan;
@@ -161,8 +156,7 @@ bool SolidPainter::isAroundEye(const Item& item) const {
 bool SolidPainter::isSeen(const Item& item, const PinholeView& view) const {
   const Eigen::Vector3d p = view.R_FC * item.center_C;
   if (p.z() + item.radius < camera_->nearM() || p.z() - item.radius > camera_->farM()) return false;
-  const double left = (-0.5 - view.cx) / view.fx, right = (view.width - 0.5 - view.cx) / view.fx;
-  const double top = (-0.5 - view.cy) / view.fy, bottom = (view.height - 0.5 - view.cy) / view.fy;
+  const auto [left, right, top, bottom] = view.border(0.5);
   const auto outside = [&](double across, double slope, double side) {
     return side * (across - slope * p.z()) > item.radius * std::sqrt(1.0 + slope * slope);
   };
@@ -214,7 +208,7 @@ void SolidPainter::addShadowed(const Item& item, std::size_t k, const PinholeVie
 }
 
 void SolidPainter::draw(const Sight& sight, const PinholeView& view) {
-  const PixelPart all = sight.covered.within(limit_);
+  const PixelBox all = sight.covered.within(limit_);
   if (all.empty()) return;
   const Item& item = *sight.item;
   const Shape& shape = *item.shape;
@@ -248,15 +242,15 @@ void SolidPainter::draw(const Sight& sight, const PinholeView& view) {
     }
   }
   gl_.Enable(GL_SCISSOR_TEST);
-  const auto drawIn = [&](const PixelPart& where, const std::string& letters) {
+  const auto drawIn = [&](const PixelBox& where, const std::string& letters) {
     if (!where.empty()) draw(item, view, mesh, letters, where, few);
   };
   // What is drawn again with its shadows replaces what was there: its depth is the same. What lets light through is
   // drawn once.
   if (shaded != plain && few && shape.material.opacity >= 1.0 && parts.area() < kSmallPart * all.area()) {
     drawIn(all, plain);
-    for (const PixelPart& part : parts.parts()) {
-      const auto holds = [&part](const PixelPart& other) { return part.within(other).area() == part.area(); };
+    for (const PixelBox& part : parts.parts()) {
+      const auto holds = [&part](const PixelBox& other) { return part.within(other).area() == part.area(); };
       if (std::none_of(drawn_again_.begin(), drawn_again_.end(), holds)) drawIn(part, shaded);
     }
   } else {
@@ -267,11 +261,11 @@ void SolidPainter::draw(const Sight& sight, const PinholeView& view) {
 }
 
 void SolidPainter::draw(const Item& item, const PinholeView& view, const GlMesh& mesh, const std::string& letters,
-                        const PixelPart& where, bool split) {
+                        const PixelBox& where, bool split) {
   for (const MeshPart& part : mesh.parts) {
     for (const TapRows& rows : tapRowsOf(part, item.X_CS, view, where, split)) {
-      const PixelPart& box = rows.where;
-      gl_.Scissor(box.left, box.top, box.right - box.left, box.bottom - box.top);
+      const PixelBox& box = rows.where;
+      gl_.Scissor(box.u0, box.v0, box.u1 - box.u0, box.v1 - box.v0);
       draw(item, view, mesh, part, letters, rows.taps);
     }
   }
@@ -329,8 +323,7 @@ SolidPainter::Program& SolidPainter::programOf(const Item& item, const GlMesh& m
   traits.painted = !shape.mesh->colors.empty();
   Program& program = programs_[traits.name()];
   if (!program.shader) {
-    program.shader =
-        std::make_unique<ShaderProgram>(gl_, traits.name(), solidVertexShader(traits), solidFragmentShader(traits));
+    program.shader = std::make_unique<ShaderProgram>(gl_, traits.name(), solidShader(traits));
     findUniforms(program);
   }
   program.shader->use();
@@ -404,7 +397,7 @@ void SolidPainter::setLights(Program& program) {
 void SolidPainter::drawSky(const PinholeView& view) {
   if (!scene_->lighting.zenith) return;
   if (!sky_) {
-    sky_ = std::make_unique<ShaderProgram>(gl_, "sky", skyVertexShader(), skyFragmentShader());
+    sky_ = std::make_unique<ShaderProgram>(gl_, "sky", skyShader());
     const float corners[] = {-1.0f, -1.0f, 0.0f, 3.0f, -1.0f, 0.0f, -1.0f, 3.0f, 0.0f};
     gl_.GenVertexArrays(1, &sky_array_);
     gl_.GenBuffers(1, &sky_vertices_);
@@ -430,7 +423,7 @@ void SolidPainter::drawSky(const PinholeView& view) {
   gl_.DepthMask(GL_FALSE);
   gl_.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
   gl_.Enable(GL_SCISSOR_TEST);
-  gl_.Scissor(limit_.left, limit_.top, limit_.right - limit_.left, limit_.bottom - limit_.top);
+  gl_.Scissor(limit_.u0, limit_.v0, limit_.u1 - limit_.u0, limit_.v1 - limit_.v0);
   gl_.DrawArrays(GL_TRIANGLES, 0, 3);
   gl_.Disable(GL_SCISSOR_TEST);
   gl_.DepthMask(GL_TRUE);

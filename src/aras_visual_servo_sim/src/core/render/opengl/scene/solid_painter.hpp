@@ -31,7 +31,7 @@ class SolidPainter {
   bool anyTransparent() const { return !transparent_.empty(); }
   /** How to draw a view so that several samples are taken only where they can differ. */
   struct Plan {
-    struct Part : PixelPart {
+    struct Part : PixelBox {
       bool filled = false;  ///< nothing behind the backdrop is seen in it
     };
     std::vector<Part> sampled;            ///< where they can differ
@@ -40,9 +40,8 @@ class SolidPainter {
   };
   /** @param view  which one of the frame */
   Plan planOf(std::size_t view) const;
-  /** What is drawn from here on is drawn only in this part of the view, and its shadows not in those that are drawn
-   *  once more. */
-  void drawIn(const PixelPart& part, const std::vector<Plan::Part>& drawn_again = {}) {
+  /** From here on draws only in this part of the view, and no shadows in those that are drawn once more. */
+  void drawIn(const PixelBox& part, const std::vector<Plan::Part>& drawn_again = {}) {
     limit_ = part;
     drawn_again_ = drawn_again;
   }
@@ -50,8 +49,7 @@ class SolidPainter {
   void drawSky(const PinholeView& view);
   /** @param filled  by the backdrop at this place, which is drawn first, over whatever is there */
   void drawOpaque(std::size_t view, std::optional<std::size_t> filled = std::nullopt);
-  /** One body alone, into a canvas that needs no depth: of a convex body no face hides another.
-   *  @param place  among the opaque ones */
+  /** One convex body alone, into a canvas that needs no depth. @param place  among the opaque ones */
   void drawBackdrop(std::size_t view, std::size_t place);
   /** Over all that is there, the farthest first. */
   void drawTransparent(std::size_t view);
@@ -68,7 +66,7 @@ class SolidPainter {
   /** An item that a view can see. */
   struct Sight {
     const Item* item;
-    PixelPart covered;    ///< the pixels that it can cover
+    PixelBox covered;     ///< the pixels that it can cover
     std::string letters;  ///< of the lights, capitals where something can throw a shadow on it
   };
   /** What of the frame is seen in one view. */
@@ -96,7 +94,7 @@ class SolidPainter {
   void addShadowed(const Item& item, std::size_t k, const PinholeView& view, PixelParts& parts) const;
   /** Draws within these pixels. @pre the scissor is on  @param split  whether in rows */
   void draw(const Item& item, const PinholeView& view, const GlMesh& mesh, const std::string& letters,
-            const PixelPart& where, bool split);
+            const PixelBox& where, bool split);
   void draw(const Item& item, const PinholeView& view, const GlMesh& mesh, const MeshPart& part,
             const std::string& letters, int taps);
   Program& programOf(const Item& item, const GlMesh& mesh, const MeshPicture* picture, int taps,
@@ -107,7 +105,7 @@ class SolidPainter {
   bool isAroundEye(const Item& item) const;
   /** Of the opaque ones the place of the one that can be a backdrop, if it covers much of the view. */
   std::optional<std::size_t> backdropOf(const Seen& seen) const;
-  bool isFilled(const Seen& seen, std::size_t backdrop, const PixelPart& part) const;
+  bool isFilled(const Seen& seen, std::size_t backdrop, const PixelBox& part) const;
 
   const GlFunctions& gl_;
   GlStore& store_;
@@ -126,7 +124,7 @@ class SolidPainter {
   std::vector<Item> opaque_, transparent_;
   std::vector<Seen> seen_;                   // by the views of the frame
   std::vector<std::vector<MapBox>> shaded_;  // by light, what can be seen of the items
-  PixelPart limit_;
+  PixelBox limit_;
   std::vector<Plan::Part> drawn_again_;
   long frame_ = 0;
 };

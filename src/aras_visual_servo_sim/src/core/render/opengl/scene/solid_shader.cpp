@@ -22,8 +22,7 @@ bool isOneColor(const ShaderTraits& traits) {
   return true;
 }
 
-/** Of the fragment shader: light k's part of the sum, less the shadow, is there; what is left of it, and its highlight.
- */
+/** Of the fragment shader: what the shadow leaves of light k's part of the sum, and its highlight. */
 std::string wholeLightText(char letter, const std::string& k) {
   std::string text = "  {\n    float left = 1.0;\n";
   if (letter == 'D') {
@@ -172,31 +171,6 @@ float shadow_around(samplerCubeShadow map, vec3 ray, vec2 reach, vec2 texel_of_m
 }
 )";
 
-}  // namespace
-
-std::string ShaderTraits::name() const {
-  return "solid " + lights + (clamps_light ? " clamped" : "") + (textured ? " textured" : "") +
-         (taps > 1 ? " taps " + std::to_string(taps) : "") + (bumpy ? " bumpy" : "") + (specular ? " specular" : "") +
-         (by_root ? " by root"
-          : sharp ? " sharp"
-                  : "") +
-         (fog ? " fog" : "") + (faceted ? " faceted" : "") + (two_sided ? " two-sided" : "") +
-         (painted ? " painted" : "");
-}
-
-std::string lightLetters(const LightSet& lights) {
-  std::string letters;
-  for (std::size_t k = 0; k < lights.lights.size(); ++k) {
-    const Light& light = lights.lights[k];
-    const char letter = light.at_camera                           ? 'h'
-                        : light.type == Light::Type::kDirectional ? 'd'
-                        : light.type == Light::Type::kPoint       ? 'p'
-                                                                  : 's';
-    letters += lights.shades(k) ? static_cast<char>(std::toupper(letter)) : letter;
-  }
-  return letters;
-}
-
 std::string solidVertexShader(const ShaderTraits& traits) {
   const bool headlight = traits.lights.find('h') != std::string::npos;
   std::string text = kVersion;
@@ -297,8 +271,22 @@ std::string solidFragmentShader(const ShaderTraits& traits) {
   return text + "  pixel = vec4(sum, opacity);\n}\n";
 }
 
-std::string flatVertexShader() {
-  return std::string(kVersion) + R"(
+}  // namespace
+
+std::string ShaderTraits::name() const {
+  return "solid " + lights + (clamps_light ? " clamped" : "") + (textured ? " textured" : "") +
+         (taps > 1 ? " taps " + std::to_string(taps) : "") + (bumpy ? " bumpy" : "") + (specular ? " specular" : "") +
+         (by_root ? " by root"
+          : sharp ? " sharp"
+                  : "") +
+         (fog ? " fog" : "") + (faceted ? " faceted" : "") + (two_sided ? " two-sided" : "") +
+         (painted ? " painted" : "");
+}
+
+ShaderText solidShader(const ShaderTraits& traits) { return {solidVertexShader(traits), solidFragmentShader(traits)}; }
+
+ShaderText flatShader(bool textured) {
+  return {std::string(kVersion) + R"(
 in vec3 position;
 in vec2 coordinates;
 uniform mat4 projection;
@@ -309,26 +297,22 @@ void main() {
   gl_Position = projection * vec4(position, 1.0);
   gl_Position.z += bias * gl_Position.w;
 }
-)";
+)",
+          std::string(kVersion) +
+              "in vec2 texel;\nout vec4 pixel;\nuniform vec4 flat_color;\nuniform sampler2D picture;\n" +
+              (textured ? "void main() { pixel = vec4(texture(picture, texel).rgb, 1.0); }\n"
+                        : "void main() { pixel = flat_color; }\n")};
 }
 
-std::string flatFragmentShader(bool textured) {
-  return std::string(kVersion) +
-         "in vec2 texel;\nout vec4 pixel;\nuniform vec4 flat_color;\nuniform sampler2D picture;\n" +
-         (textured ? "void main() { pixel = vec4(texture(picture, texel).rgb, 1.0); }\n"
-                   : "void main() { pixel = flat_color; }\n");
+ShaderText depthShader() {
+  return {std::string(kVersion) +
+              "in vec3 position;\nuniform mat4 projection;\n"
+              "void main() { gl_Position = projection * vec4(position, 1.0); }\n",
+          std::string(kVersion) + "void main() {}\n"};
 }
 
-std::string depthVertexShader() {
-  return std::string(kVersion) +
-         "in vec3 position;\nuniform mat4 projection;\nvoid main() { gl_Position = projection * vec4(position, 1.0); "
-         "}\n";
-}
-
-std::string depthFragmentShader() { return std::string(kVersion) + "void main() {}\n"; }
-
-std::string skyVertexShader() {
-  return std::string(kVersion) + R"(
+ShaderText skyShader() {
+  return {std::string(kVersion) + R"(
 in vec3 position;
 uniform mat4 ray_of;  // from the picture's corners to rays in the world
 out vec3 ray_W;
@@ -336,17 +320,14 @@ void main() {
   ray_W = (ray_of * vec4(position.xy, 1.0, 0.0)).xyz;
   gl_Position = vec4(position.xy, 0.0, 1.0);
 }
-)";
-}
-
-std::string skyFragmentShader() {
-  return std::string(kVersion) + R"(
+)",
+          std::string(kVersion) + R"(
 in vec3 ray_W;
 uniform vec3 horizon;
 uniform vec3 zenith;
 out vec4 pixel;
 void main() { pixel = vec4(mix(horizon, zenith, sqrt(max(0.0, normalize(ray_W).z))), 0.0); }
-)";
+)"};
 }
 
 }  // namespace aras_visual_servo_sim

@@ -1,9 +1,8 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
-#include "gl_lights.hpp"
+#include "render/opengl/gl/shader_program.hpp"
 
 namespace aras_visual_servo_sim {
 
@@ -22,21 +21,13 @@ struct ShaderTraits {
   std::string name() const;
 };
 
-/** Letters of ShaderTraits::lights. */
-std::string lightLetters(const LightSet& lights);
-
-/** Of solids: lit for each pixel, in the frame of the camera; what is the same all over a triangle, for it as a whole.
- */
-std::string solidVertexShader(const ShaderTraits& traits);
-std::string solidFragmentShader(const ShaderTraits& traits);
+/** Of solids: lit for each pixel, in the frame of the camera, or once for a triangle that is lit evenly. */
+ShaderText solidShader(const ShaderTraits& traits);
 /** Of what has one colour or a picture, unlit: flat targets. */
-std::string flatVertexShader();
-std::string flatFragmentShader(bool textured);
+ShaderText flatShader(bool textured);
 /** Of shadow maps: depth alone. */
-std::string depthVertexShader();
-std::string depthFragmentShader();
+ShaderText depthShader();
 /** Of the sky behind everything: one triangle over the whole picture. */
-std::string skyVertexShader();
-std::string skyFragmentShader();
+ShaderText skyShader();
 
 }  // namespace aras_visual_servo_sim

@@ -12,8 +12,7 @@ constexpr int kBlock = 3 * 64;  // indices: fewer cost more to look at than to d
 /** Planes about what a view can see, in the mesh's frame: normal and distance, positive inside. */
 std::array<Eigen::RowVector4f, 5> pyramid(const Eigen::Matrix4d& X_CS, const PinholeView& view, double near_m) {
   constexpr double kMargin = 1.0;  // [px]: rounding is far below it
-  const double left = (-0.5 - kMargin - view.cx) / view.fx, right = (view.width - 0.5 + kMargin - view.cx) / view.fx;
-  const double top = (-0.5 - kMargin - view.cy) / view.fy, bottom = (view.height - 0.5 + kMargin - view.cy) / view.fy;
+  const auto [left, right, top, bottom] = view.border(0.5 + kMargin);
   Eigen::Matrix4d X_FS = X_CS;
   X_FS.topRows<3>() = (view.R_FC * X_CS.topRows<3>()).eval();
   const auto plane = [&X_FS](double x, double y, double z, double distance = 0.0) {

@@ -69,8 +69,7 @@ bool ShadowMaps::canShade(std::size_t k, const MapBox& box) const {
   return std::any_of(boxes.begin(), boxes.end(), [&](const MapBox& caster) { return box.meets(caster); });
 }
 
-/** The entry with this key, else the one that this light of this scene had before, else a new one or the one that was
- *  not used for longest. */
+/** The entry with this key, else the one that this light had before, else a new one or the longest unused. */
 ShadowMaps::Entry& ShadowMaps::entryFor(const Scene& scene, std::size_t light, const std::vector<double>& key) {
   Entry *own = nullptr, *oldest = nullptr;
   for (Entry& entry : entries_) {
@@ -126,7 +125,7 @@ void ShadowMaps::draw(std::size_t k, const std::vector<MapBox>& boxes, GlStore& 
   }
   if (wanted.empty()) return;
   if (!entry.frame) allocate(entry);
-  if (!program_) program_ = std::make_unique<ShaderProgram>(gl_, "depth", depthVertexShader(), depthFragmentShader());
+  if (!program_) program_ = std::make_unique<ShaderProgram>(gl_, "depth", depthShader());
   gl_.BindFramebuffer(GL_FRAMEBUFFER, entry.frame);
   gl_.Viewport(0, 0, map.width, map.height);
   gl_.DepthMask(GL_TRUE);

@@ -62,7 +62,6 @@ class ShadowMaps {
     long used = 0;
   };
   Entry& entryFor(const Scene& scene, std::size_t light, const std::vector<double>& key);
-  void begin(Entry& entry);
   void drawSquare(const Map& map, const Eigen::Matrix4d& of_world, const std::vector<const Caster*>& casters,
                   GlStore& store);
   void allocate(Entry& entry);

@@ -6,8 +6,6 @@
 #include <cstddef>
 #include <limits>
 
-#include "box_corners.hpp"
-
 namespace aras_visual_servo_sim {
 namespace {
 
@@ -27,7 +25,7 @@ class Outline {
     high_ = high_.max(at);
   }
 
-  PixelPart part() const {
+  PixelBox part() const {
     if (everywhere_) return {0, 0, view_.width, view_.height};
     if (!(low_.x() <= high_.x())) return {};
     return pixelsAbout(low_, high_, view_);
@@ -42,33 +40,17 @@ class Outline {
 
 }  // namespace
 
-PixelPart PixelPart::with(const PixelPart& other) const {
-  if (empty()) return other;
-  if (other.empty()) return *this;
-  return {std::min(left, other.left), std::min(top, other.top), std::max(right, other.right),
-          std::max(bottom, other.bottom)};
-}
-
-PixelPart PixelPart::within(const PixelPart& other) const {
-  PixelPart both;
-  both.left = std::clamp(left, other.left, other.right);
-  both.right = std::clamp(right, both.left, other.right);
-  both.top = std::clamp(top, other.top, other.bottom);
-  both.bottom = std::clamp(bottom, both.top, other.bottom);
-  return both;
-}
-
-PixelPart pixelsAbout(const Eigen::Array2d& low, const Eigen::Array2d& high, const PinholeView& view) {
+PixelBox pixelsAbout(const Eigen::Array2d& low, const Eigen::Array2d& high, const PinholeView& view) {
   constexpr double kRim = 2.0;  // [px] for rounding and for samples beside the pixel's centre
   const auto within = [](double value, int size) { return static_cast<int>(std::clamp(value, 0.0, double(size))); };
   return {within(std::floor(low.x() - kRim), view.width), within(std::floor(low.y() - kRim), view.height),
           within(std::ceil(high.x() + kRim) + 1.0, view.width), within(std::ceil(high.y() + kRim) + 1.0, view.height)};
 }
 
-void PixelParts::add(const PixelPart& added) {
+void PixelParts::add(const PixelBox& added) {
   constexpr double kPartCost = 3000.0;  // [px] that take as long to shade as one more part takes to begin
   constexpr std::size_t kMost = 12;
-  PixelPart part = added.within(within_);
+  PixelBox part = added.within(within_);
   if (part.empty()) return;
   for (;;) {
     std::size_t best = parts_.size();
@@ -86,10 +68,10 @@ void PixelParts::add(const PixelPart& added) {
   parts_.push_back(part);
 }
 
-void PixelParts::join(const PixelPart& part) {
-  PixelPart joined;
-  const auto meets = [&](const PixelPart& other) { return !other.within(part).empty(); };
-  for (const PixelPart& other : parts_) {
+void PixelParts::join(const PixelBox& part) {
+  PixelBox joined;
+  const auto meets = [&](const PixelBox& other) { return !other.within(part).empty(); };
+  for (const PixelBox& other : parts_) {
     if (meets(other)) joined = joined.with(other);
   }
   parts_.erase(std::remove_if(parts_.begin(), parts_.end(), meets), parts_.end());
@@ -98,7 +80,7 @@ void PixelParts::join(const PixelPart& part) {
 
 double PixelParts::area() const {
   double sum = 0.0;
-  for (const PixelPart& part : parts_) sum += part.area();
+  for (const PixelBox& part : parts_) sum += part.area();
   return sum;
 }
 
@@ -122,24 +104,23 @@ SeenMesh::SeenMesh(const TriangleMesh& mesh, const Eigen::Matrix4d& X_CS, const 
     : view_(view) {
   constexpr int kFaces[6][4] = {{0, 1, 3, 2}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 3, 7, 6}, {0, 2, 6, 4}, {1, 3, 7, 5}};
   constexpr double kRim = 1.5;  // [px] for rounding and for samples beside the pixel's centre
-  const double left = (-kRim - view.cx) / view.fx, right = (view.width - 1.0 + kRim - view.cx) / view.fx;
-  const double top = (-kRim - view.cy) / view.fy, bottom = (view.height - 1.0 + kRim - view.cy) / view.fy;
+  const PinholeView::Border border = view.border(kRim);
   const auto side = [&](int axis, double sign, double slope) {
     const Eigen::RowVector3d n = sign * (view.R_FC.row(axis) - slope * view.R_FC.row(2));
     return [n](const Corner& corner) { return double(n * corner.p_C); };
   };
-  std::array<Corner, kCorners> corners;
-  for (int k = 0; k < kCorners; ++k) {
-    const Eigen::Vector3d p_C = (X_CS * cornerOf(mesh, k).homogeneous()).head<3>();
+  std::array<Corner, 8> corners;
+  for (int k = 0; k < 8; ++k) {
+    const Eigen::Vector3d p_C = (X_CS * mesh.corner(k).homogeneous()).head<3>();
     corners[k] = {p_C, (of_camera * p_C.homogeneous()).head<3>()};
   }
   for (int face = 0; face < 6; ++face) {
     Outlined whole;
     for (const int k : kFaces[face]) whole.add(corners[k]);
-    faces_[face] = whole.clipped(side(0, -1.0, left))
-                       .clipped(side(0, 1.0, right))
-                       .clipped(side(1, -1.0, top))
-                       .clipped(side(1, 1.0, bottom));
+    faces_[face] = whole.clipped(side(0, -1.0, border.left))
+                       .clipped(side(0, 1.0, border.right))
+                       .clipped(side(1, -1.0, border.top))
+                       .clipped(side(1, 1.0, border.bottom));
     for (const Corner& corner : faces_[face]) box_.add(corner.on_map);
   }
   // Of the box and the pyramid that the picture shows the outermost points lie on the faces of the box, or one is the
@@ -150,7 +131,7 @@ SeenMesh::SeenMesh(const TriangleMesh& mesh, const Eigen::Matrix4d& X_CS, const 
   if (about_eye_) box_.add(of_camera.topRightCorner<3, 1>());
 }
 
-PixelPart SeenMesh::covered(double near_m) const {
+PixelBox SeenMesh::covered(double near_m) const {
   if (about_eye_) return {0, 0, view_.width, view_.height};
   constexpr double kBefore = 1.0 - 1e-9;  // of the plane: what is cut there is not taken to be before it
   Outline outline(view_, kBefore * near_m);
@@ -162,7 +143,7 @@ PixelPart SeenMesh::covered(double near_m) const {
   return outline.part();
 }
 
-PixelPart SeenMesh::shadowOf(const MapBox& caster, double near_m) const {
+PixelBox SeenMesh::shadowOf(const MapBox& caster, double near_m) const {
   // Of a face and the pillar behind a caster the outermost points are corners of what both share.
   const auto beyond = [](int axis, double sign, double limit) {
     return [axis, sign, limit](const Corner& corner) { return sign * (corner.on_map[axis] - limit); };
@@ -179,7 +160,7 @@ PixelPart SeenMesh::shadowOf(const MapBox& caster, double near_m) const {
   return outline.part();
 }
 
-PixelPart coveredPart(const TriangleMesh& mesh, const Eigen::Matrix4d& X_CS, const PinholeView& view, double near_m) {
+PixelBox coveredPart(const TriangleMesh& mesh, const Eigen::Matrix4d& X_CS, const PinholeView& view, double near_m) {
   return SeenMesh(mesh, X_CS, Eigen::Matrix4d::Identity(), view).covered(near_m);
 }
 

@@ -6,42 +6,31 @@
 
 #include "aras_visual_servo_sim/scene/triangle_mesh.hpp"
 #include "render/opengl/view/pinhole_view.hpp"
+#include "render/view/pixel_box.hpp"
 #include "shadow_view.hpp"
 
 namespace aras_visual_servo_sim {
 
-/** Pixels of a picture: `left` to before `right`, `top` to before `bottom`. */
-struct PixelPart {
-  int left = 0, top = 0, right = 0, bottom = 0;
-
-  bool empty() const { return left >= right || top >= bottom; }
-  double area() const { return empty() ? 0.0 : double(right - left) * (bottom - top); }
-  /** Both, and what lies between them. */
-  PixelPart with(const PixelPart& other) const;
-  /** What both share; empty if they share nothing, and then still inside the other. */
-  PixelPart within(const PixelPart& other) const;
-};
-
 /** The pixels that something inside this box, in pixels, may touch. */
-PixelPart pixelsAbout(const Eigen::Array2d& low, const Eigen::Array2d& high, const PinholeView& view);
+PixelBox pixelsAbout(const Eigen::Array2d& low, const Eigen::Array2d& high, const PinholeView& view);
 
 /** A few parts of a picture that hold all that was added: what lies close together is taken together, for each part
  *  costs about as much as drawing some pixels more. */
 class PixelParts {
  public:
   /** @param within  nothing beyond it is wanted */
-  explicit PixelParts(const PixelPart& within) : within_(within) {}
+  explicit PixelParts(const PixelBox& within) : within_(within) {}
 
-  void add(const PixelPart& part);
+  void add(const PixelBox& part);
   /** Takes together those that share pixels with this. */
-  void join(const PixelPart& part);
-  const std::vector<PixelPart>& parts() const { return parts_; }
+  void join(const PixelBox& part);
+  const std::vector<PixelBox>& parts() const { return parts_; }
   /** Of the parts, those that overlap counted twice [px]. */
   double area() const;
 
  private:
-  PixelPart within_;
-  std::vector<PixelPart> parts_;
+  PixelBox within_;
+  std::vector<PixelBox> parts_;
 };
 
 /** What a picture shows of the faces of the box about a mesh, and where that is on the map of a directional light. */
@@ -52,12 +41,11 @@ class SeenMesh {
            const PinholeView& view);
 
   /** The part of the picture that the mesh can cover. */
-  PixelPart covered(double near_m) const;
+  PixelBox covered(double near_m) const;
   /** All that can be seen of the mesh is in it. Empty: nothing can. */
   const MapBox& box() const { return box_; }
-  /** The part of the picture in which the mesh can lie in the shadow of a caster. Empty if none of it can.
-   *  @param caster  its box on the map */
-  PixelPart shadowOf(const MapBox& caster, double near_m) const;
+  /** The part of the picture in which the mesh can lie in the shadow of a caster. @param caster  its box on the map */
+  PixelBox shadowOf(const MapBox& caster, double near_m) const;
 
  private:
   /** A point in C and where it is on the map. */
@@ -90,6 +78,6 @@ class SeenMesh {
 };
 
 /** The part of a picture that a mesh can cover. @param X_CS  pose of the mesh in C  @param near_m  of the camera */
-PixelPart coveredPart(const TriangleMesh& mesh, const Eigen::Matrix4d& X_CS, const PinholeView& view, double near_m);
+PixelBox coveredPart(const TriangleMesh& mesh, const Eigen::Matrix4d& X_CS, const PinholeView& view, double near_m);
 
 }  // namespace aras_visual_servo_sim

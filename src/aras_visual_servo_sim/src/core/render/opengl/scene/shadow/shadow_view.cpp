@@ -5,8 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "box_corners.hpp"
-
 namespace aras_visual_servo_sim {
 namespace {
 
@@ -81,10 +79,8 @@ std::vector<Caster> castersOf(const Scene& scene) {
       if (shape.material.opacity < 1.0) continue;
       Eigen::Matrix4d X_WS = (body.X_WB * shape.X_BS).matrix();
       X_WS = X_WS.unaryExpr([](double value) { return std::nearbyint(value / kStep) * kStep; });
-      const Eigen::Vector3f middle = 0.5f * (shape.mesh->box_min + shape.mesh->box_max);
-      const Eigen::Vector4d center_W = X_WS * middle.cast<double>().homogeneous();
-      const double radius_m = 0.5 * (shape.mesh->box_max - shape.mesh->box_min).cast<double>().norm();
-      casters.push_back({&shape.mesh, X_WS, center_W.head<3>(), radius_m, 0});
+      const Eigen::Vector4d center_W = X_WS * shape.mesh->center().homogeneous();
+      casters.push_back({&shape.mesh, X_WS, center_W.head<3>(), shape.mesh->radius(), 0});
     }
   }
   return casters;
@@ -140,8 +136,8 @@ void ShadowView::placeDirectional(const Light& light, const std::vector<const Ca
   const double infinity = std::numeric_limits<double>::infinity();
   Eigen::Vector3d low = Eigen::Vector3d::Constant(infinity), high = -low;
   for (const Caster* caster : casters) {
-    for (int k = 0; k < kCorners; ++k) {
-      const Eigen::Vector4d corner_S = cornerOf(**caster->mesh, k).homogeneous();
+    for (int k = 0; k < 8; ++k) {
+      const Eigen::Vector4d corner_S = (*caster->mesh)->corner(k).homogeneous();
       const Eigen::Vector3d p_L = R_LW * (caster->X_WS * corner_S).head<3>();
       low = low.cwiseMin(p_L);
       high = high.cwiseMax(p_L);
@@ -173,8 +169,8 @@ void ShadowView::placeDirectional(const Light& light, const std::vector<const Ca
 MapBox ShadowView::boxOf(const Caster& caster) const {
   MapBox box;
   const Eigen::Matrix4d of_mesh = of_world * caster.X_WS;
-  for (int k = 0; k < kCorners; ++k) {
-    const Eigen::Vector4d corner_S = cornerOf(**caster.mesh, k).homogeneous();
+  for (int k = 0; k < 8; ++k) {
+    const Eigen::Vector4d corner_S = (*caster.mesh)->corner(k).homogeneous();
     box.add((of_mesh * corner_S).head<3>());
   }
   constexpr double kAround =

@@ -41,8 +41,7 @@ struct MapBox {
 
 /** How a light that casts shadows sees the world. */
 struct ShadowView {
-  /** To the map's coordinates and depth, each 0 .. 1; of a point light to its frame: the world's axes, the light at 0.
-   */
+  /** To the map's coordinates and depth, each 0 .. 1; of a point light to the world's axes about it. */
   Eigen::Matrix4d of_world = Eigen::Matrix4d::Identity();
   double texel = 0.0;            ///< width of a texel: of a directional light [m], else over the distance
   double near = 0.0, far = 1.0;  ///< of a cube's faces [m]
@@ -62,8 +61,7 @@ struct ShadowView {
   /** Whether face k of a cube map can show a caster. */
   bool isOnFace(int k, const Caster& caster) const;
   static constexpr int kFaces = 6;
-  /** [texels] by how much a point is lifted off its surface before its shadow is looked up: as far as the taps reach.
-   */
+  /** [texels] by how much a point is lifted off its surface for its shadow: as far as the taps reach. */
   static constexpr double kLift = 2.5;
 
  private:

@@ -35,38 +35,34 @@ Pose moved(const Pose& start, const Eigen::Vector3d& step, const Eigen::Vector3d
 
 }  // namespace
 
-ModelPlacement ConstantVelocity::at(const Pose& X_WM0, double t_s) const {
-  return {moved(X_WM0, t_s * linear_m_per_s, t_s * angular_rad_per_s), stacked(linear_m_per_s, angular_rad_per_s)};
-}
-
-ModelPlacement CircleMotion::at(const Pose& X_WM0, double t_s) const {
+/** Along a circle on which the model starts; its attitude does not change. The phase zero is W's x axis, or y for a
+ *  circle about x, in the circle's plane. */
+ModelPlacement ModelMotion::onCircle(const Pose& X_WM0, double t_s) const {
+  const Eigen::Vector3d& axis = settings_.axis;
   const bool along_x = axis.cross(Eigen::Vector3d::UnitX()).norm() < 1e-9;  // rounding of a unit vector
   const Eigen::Vector3d zero = along_x ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitX();
   const Eigen::Vector3d e1 = (zero - axis * axis.dot(zero)).normalized();
   const Eigen::Vector3d e2 = axis.cross(e1);
   const auto radius = [&](double angle) -> Eigen::Vector3d { return std::cos(angle) * e1 + std::sin(angle) * e2; };
-  const double angle = phase_rad + angular_speed_rad_per_s * t_s;
-  const Eigen::Vector3d v = radius_m * angular_speed_rad_per_s * (std::cos(angle) * e2 - std::sin(angle) * e1);
-  return {{X_WM0.p + radius_m * (radius(angle) - radius(phase_rad)), X_WM0.q}, stacked(v, Eigen::Vector3d::Zero())};
+  const double radius_m = settings_.radius_m, speed = settings_.angular_speed_rad_per_s, phase = settings_.phase_rad;
+  const double angle = phase + speed * t_s;
+  const Eigen::Vector3d v = radius_m * speed * (std::cos(angle) * e2 - std::sin(angle) * e1);
+  return {{X_WM0.p + radius_m * (radius(angle) - radius(phase)), X_WM0.q}, stacked(v, Eigen::Vector3d::Zero())};
 }
 
-RandomWalk::RandomWalk(const MotionConfig& settings)
-    : interval_s(settings.interval_s),
-      speed_stddev_m_per_s(settings.speed_stddev_m_per_s),
-      angular_speed_stddev_rad_per_s(settings.angular_speed_stddev_rad_per_s),
-      radius_m(settings.radius_m),
-      seed(static_cast<std::uint64_t>(settings.seed)) {}
-
-Twist RandomWalk::velocityOf(const Knot& knot) const {
+/** Drawn for an interval, each component normal with mean zero. Farther than radius_m from its start the model is
+ * turned back: the outward part changes its sign. */
+Twist ModelMotion::velocityOf(const Knot& knot) const {
+  const auto seed = static_cast<std::uint64_t>(settings_.seed);
   Twist V;
   for (int k = 0; k < kDrawsPerInterval; k += 2) {
     const auto pair = splitmix::normalPair(seed, static_cast<std::uint64_t>(kDrawsPerInterval * knot.index + k));
     V[k] = pair.first;
     V[k + 1] = pair.second;
   }
-  V.head<3>() = V.head<3>().cwiseProduct(speed_stddev_m_per_s);
-  V.tail<3>() = V.tail<3>().cwiseProduct(angular_speed_stddev_rad_per_s);
-  if (radius_m > 0.0 && knot.p.norm() > radius_m) {
+  V.head<3>() = V.head<3>().cwiseProduct(settings_.speed_stddev_m_per_s);
+  V.tail<3>() = V.tail<3>().cwiseProduct(settings_.angular_speed_stddev_rad_per_s);
+  if (settings_.radius_m > 0.0 && knot.p.norm() > settings_.radius_m) {
     const Eigen::Vector3d outward = knot.p.normalized();
     const double speed = V.head<3>().dot(outward);
     if (speed > 0.0) V.head<3>() -= 2.0 * speed * outward;
@@ -74,7 +70,8 @@ Twist RandomWalk::velocityOf(const Knot& knot) const {
   return V;
 }
 
-ModelPlacement RandomWalk::at(const Pose& X_WM0, double t_s) const {
+ModelPlacement ModelMotion::onRandomWalk(const Pose& X_WM0, double t_s) const {
+  const double interval_s = settings_.interval_s;
   const auto index = static_cast<std::int64_t>(std::floor(t_s / interval_s));
   if (index < knot_.index) knot_ = Knot();
   Twist V = velocityOf(knot_);
@@ -89,38 +86,32 @@ ModelPlacement RandomWalk::at(const Pose& X_WM0, double t_s) const {
   return {moved(start, rest_s * V.head<3>(), rest_s * V.tail<3>()), V};
 }
 
-WaypointMotion::WaypointMotion(const MotionConfig& settings) : repeat(settings.repeat) {
-  for (const WaypointConfig& each : settings.waypoints) {
-    waypoints.push_back({each.time_s, each.position_m, {}});
-    if (each.rpy_rad) waypoints.back().q = quaternionFromRpy(*each.rpy_rad);
+/** Of the last waypoint up to this one that states an attitude. */
+Eigen::Quaterniond ModelMotion::attitudeAt(std::size_t waypoint, const Eigen::Quaterniond& start) const {
+  for (std::size_t k = waypoint + 1; k-- > 0;) {
+    if (settings_.waypoints[k].rpy_rad) return quaternionFromRpy(*settings_.waypoints[k].rpy_rad);
   }
+  return start;
 }
 
-ModelPlacement WaypointMotion::at(const Pose& X_WM0, double t_s) const {
+/** Straight and at constant speed from each waypoint to the next. */
+ModelPlacement ModelMotion::onWaypoints(const Pose& X_WM0, double t_s) const {
+  const std::vector<WaypointConfig>& waypoints = settings_.waypoints;
   const double end_s = waypoints.back().time_s;
-  if (repeat && end_s > 0.0) t_s = std::fmod(t_s, end_s);
+  if (settings_.repeat && end_s > 0.0) t_s = std::fmod(t_s, end_s);
+  std::size_t k = 0;
+  while (k < waypoints.size() && t_s >= waypoints[k].time_s) ++k;
   Pose from = X_WM0;
-  double from_s = 0.0;
-  for (const Waypoint& waypoint : waypoints) {
-    const Pose to{waypoint.p, waypoint.q.value_or(from.q)};
-    if (t_s < waypoint.time_s) {
-      const double duration_s = waypoint.time_s - from_s;
-      const Eigen::Vector3d v = (to.p - from.p) / duration_s;
-      const Eigen::Vector3d w = rotationFrom(from.q, to.q) / duration_s;
-      return {moved(from, (t_s - from_s) * v, (t_s - from_s) * w), stacked(v, w)};
-    }
-    from = to;
-    from_s = waypoint.time_s;
-  }
-  return {from, Twist::Zero()};
+  if (k > 0) from = {waypoints[k - 1].position_m, attitudeAt(k - 1, X_WM0.q)};
+  if (k == waypoints.size()) return {from, Twist::Zero()};
+  const double from_s = k > 0 ? waypoints[k - 1].time_s : 0.0, duration_s = waypoints[k].time_s - from_s;
+  const Eigen::Vector3d v = (waypoints[k].position_m - from.p) / duration_s;
+  const Eigen::Vector3d w = rotationFrom(from.q, attitudeAt(k, X_WM0.q)) / duration_s;
+  return {moved(from, (t_s - from_s) * v, (t_s - from_s) * w), stacked(v, w)};
 }
 
-ModelMotion::ModelMotion(const MotionConfig& settings, const YAML::Node& node) : delay_s_(settings.delay_s) {
-  const MotionConfig& s = settings;
-  if (s.type == "constant_velocity") path_ = ConstantVelocity{s.linear_m_per_s, s.angular_rad_per_s};
-  if (s.type == "circle") path_ = CircleMotion{s.radius_m, s.angular_speed_rad_per_s, s.axis.normalized(), s.phase_rad};
-  if (s.type == "random_walk") path_ = RandomWalk(s);
-  if (s.type == "waypoints") path_ = WaypointMotion(s);
+ModelMotion::ModelMotion(const MotionConfig& settings, const YAML::Node& node) : settings_(settings) {
+  settings_.axis.normalize();
   YAML::Emitter text;
   text << YAML::Flow << node;
   yaml_ = text.c_str();
@@ -140,8 +131,14 @@ void checkMotion(const MotionConfig& settings, const SectionCheck& section) {
 }
 
 ModelPlacement ModelMotion::at(const Pose& X_WM0, double t_s) const {
-  if (t_s < delay_s_) return {X_WM0, Twist::Zero()};
-  return std::visit([&](const auto& path) { return path.at(X_WM0, t_s - delay_s_); }, path_);
+  const MotionConfig& s = settings_;
+  t_s -= s.delay_s;
+  if (t_s < 0.0) return {X_WM0, Twist::Zero()};
+  if (s.type == "circle") return onCircle(X_WM0, t_s);
+  if (s.type == "random_walk") return onRandomWalk(X_WM0, t_s);
+  if (s.type == "waypoints") return onWaypoints(X_WM0, t_s);
+  return {moved(X_WM0, t_s * s.linear_m_per_s, t_s * s.angular_rad_per_s),
+          stacked(s.linear_m_per_s, s.angular_rad_per_s)};
 }
 
 }  // namespace aras_visual_servo_sim
