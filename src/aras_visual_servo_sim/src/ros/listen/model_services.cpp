@@ -1,7 +1,7 @@
 #include "model_services.hpp"
 
 #include <aras_visual_servo_common/files.hpp>
-#include <aras_visual_servo_common/yaml_scalars.hpp>
+#include <aras_visual_servo_common/yaml_value.hpp>
 #include <cmath>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
