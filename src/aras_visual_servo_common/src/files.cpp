@@ -8,28 +8,14 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
+#include <memory>
 #include <sstream>
-#include <stdexcept>
 
 #include "aras_visual_servo_common/errors.hpp"
 
 namespace aras_visual_servo_common {
 namespace {
-
-/** A file descriptor that is closed at the end. */
-class Descriptor {
- public:
-  explicit Descriptor(int number) : number_(number) {}
-  ~Descriptor() {
-    if (number_ >= 0) close(number_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  int operator*() const { return number_; }
-
- private:
-  int number_;
-};
 
 [[noreturn]] void fail(const std::string& path, const std::string& what, const std::string& why) {
   throw ArasError("'" + path + "': cannot be " + what + ": " + why);
@@ -45,20 +31,14 @@ void requireRegular(const std::string& path, const std::string& what, const stru
   if (!S_ISREG(status.st_mode)) fail(path, what, "found " + kindOf(status) + ", allowed a regular file");
 }
 
-void requireReadable(const std::string& path, const struct stat& status, std::size_t most_bytes) {
+/** Returns the size of a regular file that is not too big. */
+std::size_t sizeOf(const std::string& path, std::size_t most_bytes) {
+  struct stat status {};
+  if (stat(path.c_str(), &status) != 0) fail(path, "read", std::strerror(errno));
   requireRegular(path, "read", status);
   const auto size = static_cast<std::size_t>(status.st_size);
-  if (size <= most_bytes) return;
+  if (size <= most_bytes) return size;
   fail(path, "read", "found " + std::to_string(size) + " bytes, allowed <= " + std::to_string(most_bytes));
-}
-
-void writeAll(int file, const std::string& bytes) {
-  for (std::size_t done = 0; done < bytes.size();) {
-    const ssize_t count = write(file, bytes.data() + done, bytes.size() - done);
-    if (count < 0 && errno != EINTR) throw std::runtime_error(std::strerror(errno));
-    if (count > 0) done += static_cast<std::size_t>(count);
-  }
-  if (fsync(file) != 0) throw std::runtime_error(std::strerror(errno));
 }
 
 /** yaml-cpp does not say that it stumbled over a tab, which YAML does not allow in an indentation. */
@@ -96,47 +76,34 @@ void count(const YAML::Node& node, int depth, std::size_t& values) {
 }  // namespace
 
 std::string readFile(const std::string& path, std::size_t most_bytes) {
-  // Not to wait for somebody who writes to a pipe.
-  const Descriptor file(open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
-  struct stat status {};
-  if (*file < 0 || fstat(*file, &status) != 0) fail(path, "read", std::strerror(errno));
-  requireReadable(path, status, most_bytes);
-  std::string bytes(static_cast<std::size_t>(status.st_size), '\0');
-  std::size_t done = 0;
-  while (done < bytes.size()) {
-    const ssize_t count = read(*file, bytes.data() + done, bytes.size() - done);
-    if (count < 0 && errno != EINTR) fail(path, "read", std::strerror(errno));
-    if (count == 0) break;  // it became shorter meanwhile
-    if (count > 0) done += static_cast<std::size_t>(count);
-  }
-  bytes.resize(done);
+  std::string bytes(sizeOf(path, most_bytes), '\0');
+  std::ifstream file(path, std::ios::binary);
+  if (!file) fail(path, "read", std::strerror(errno));
+  file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  bytes.resize(static_cast<std::size_t>(file.gcount()));  // it may have become shorter meanwhile
   return bytes;
 }
 
-void checkFile(const std::string& path, std::size_t most_bytes) {
-  struct stat status {};
-  if (stat(path.c_str(), &status) != 0) fail(path, "read", std::strerror(errno));
-  requireReadable(path, status, most_bytes);
-}
+void checkFile(const std::string& path, std::size_t most_bytes) { sizeOf(path, most_bytes); }
 
 void writeFile(const std::string& path, const std::string& bytes) {
   struct stat status {};
   const bool exists = stat(path.c_str(), &status) == 0;
   if (exists) requireRegular(path, "written", status);
   std::string partial = path + ".XXXXXX";
-  const Descriptor file(mkostemp(partial.data(), O_CLOEXEC));
-  if (*file < 0) fail(path, "written", std::strerror(errno));
-  try {
-    // mkostemp gives it to its owner alone, which a file that others may read is not.
-    const mode_t mask = umask(0);
-    umask(mask);
-    fchmod(*file, exists ? status.st_mode & 0777 : 0666 & ~mask);
-    writeAll(*file, bytes);
-    if (std::rename(partial.c_str(), path.c_str()) != 0) throw std::runtime_error(std::strerror(errno));
-  } catch (const std::runtime_error& error) {
-    unlink(partial.c_str());
-    fail(path, "written", error.what());
-  }
+  const int number = mkostemp(partial.data(), O_CLOEXEC);
+  if (number < 0) fail(path, "written", std::strerror(errno));
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(fdopen(number, "wb"), std::fclose);
+  // mkostemp gives it to its owner alone, which a file that others may read is not.
+  const mode_t mask = umask(0);
+  umask(mask);
+  fchmod(number, exists ? status.st_mode & 0777 : 0666 & ~mask);
+  const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file.get()) == bytes.size();
+  if (written && std::fflush(file.get()) == 0 && fsync(number) == 0 && std::rename(partial.c_str(), path.c_str()) == 0)
+    return;
+  const std::string why = std::strerror(errno);
+  unlink(partial.c_str());
+  fail(path, "written", why);
 }
 
 YAML::Node parseYaml(const std::string& text, std::size_t most_bytes) {

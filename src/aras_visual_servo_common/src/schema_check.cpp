@@ -46,11 +46,13 @@ class Findings {
  public:
   explicit Findings(FaultList* list = nullptr, const std::string& file = "") : list_(list), file_(file) {}
 
-  /** `found` and `allowed` make the texts. @param at  what stands there, or the map in which it is missing */
-  template <typename Found, typename Allowed>
-  void add(const YAML::Node& at, const std::string& where, const Found& found, const Allowed& allowed) {
+  /** `text` makes what is said, "FOUND, allowed ALLOWED". @param at  what stands there, or the map in which it is
+   * missing
+   */
+  template <typename Text>
+  void add(const YAML::Node& at, const std::string& where, const Text& text) {
     count();
-    if (list_) list_->add(placeOf(at, file_) + (where.empty() ? "document" : where), found(), allowed());
+    if (list_) list_->add(placeOf(at, file_) + (where.empty() ? "document" : where) + ": found " + text());
   }
 
   /** A fault without words. */
@@ -127,12 +129,10 @@ std::string allowedInstead(Fault fault, const Schema& schema, const YAML::Node& 
 void checkObject(const YAML::Node& map, const Schema& schema, const std::string& where, Findings& findings) {
   for (const std::string& key : schema.required) {
     if (valueOf(map, key)) continue;
-    const auto allowed = [&] {
+    findings.add(map, findings.keyOf(where, key), [&] {
       const SchemaPtr wanted = schema.property(map, key);
-      return (wanted ? wanted->text() : std::string("it")) + " (required)";
-    };
-    findings.add(
-        map, findings.keyOf(where, key), [] { return "nothing"; }, allowed);
+      return "nothing, allowed " + (wanted ? wanted->text() : "it") + " (required)";
+    });
   }
   if (!map.IsMap()) return;
   for (const auto& item : map) {
@@ -144,22 +144,20 @@ void checkObject(const YAML::Node& map, const Schema& schema, const std::string&
     } else if (schema.additional) {
       checkValue(item.second, *schema.additional, findings.keyOf(where, key), findings);
     } else if (schema.closed) {
-      const auto allowed = [&] {
+      findings.add(item.first, findings.keyOf(where, key), [&] {
         std::vector<std::string> names;
         for (const auto& property : schema.properties) names.push_back(property.first);
-        return oneOf(names, key) + (isDecimalPart(item.first, item.second) ? "; the decimal mark is a point" : "");
-      };
-      findings.add(
-          item.first, findings.keyOf(where, key), [] { return "an unknown key"; }, allowed);
+        const bool decimal = isDecimalPart(item.first, item.second);
+        return "an unknown key, allowed " + oneOf(names, key) + (decimal ? "; the decimal mark is a point" : "");
+      });
     }
   }
 }
 
 void checkArray(const YAML::Node& list, const Schema& schema, const std::string& where, Findings& findings) {
   const std::size_t size = list.IsNull() ? 0 : list.size();
-  const auto whole = [&list] { return shown(list); };
   if (size < schema.min_items || (schema.max_items && size > *schema.max_items))
-    return findings.add(list, where, whole, [&schema] { return schema.text(); });
+    return findings.add(list, where, [&] { return shown(list) + ", allowed " + schema.text(); });
   if (!schema.items) return;
   std::set<Fault> said;  // each fault of the whole list once: showing it takes as long as the list
   for (std::size_t k = 0; k < size && !findings.enough(); ++k) {
@@ -169,9 +167,9 @@ void checkArray(const YAML::Node& list, const Schema& schema, const std::string&
     }
     const Fault fault = faultOf(list[k], *schema.items);  // said of the whole list, which is short
     if (fault == Fault::kNone || !said.insert(fault).second) continue;
-    findings.add(list, where, whole, [&] {
+    findings.add(list, where, [&] {
       const std::string allowed = allowedInstead(fault, *schema.items, list[k]);
-      return allowed == schema.items->text() ? schema.text() : allowed;
+      return shown(list) + ", allowed " + (allowed == schema.items->text() ? schema.text() : allowed);
     });
   }
 }
@@ -215,14 +213,13 @@ std::string tellingKey(const std::vector<SchemaPtr>& alternatives) {
 /** None of the alternatives is meant by the value of the key that tells them apart. */
 void addTellingFault(const YAML::Node& map, const std::string& key, const std::vector<SchemaPtr>& alternatives,
                      const std::string& where, Findings& findings) {
-  const auto found = valueOf(map, key);
-  const auto allowed = [&] {
+  findings.add(map, findings.keyOf(where, key), [&] {
     std::vector<YAML::Node> known;
     for (const SchemaPtr& each : alternatives) known.push_back(each->properties.at(key)->choices.front());
-    return oneOf(wordsOf(known), found ? nameIn(*found) : "") + (found ? "" : " (required)");
-  };
-  findings.add(
-      map, findings.keyOf(where, key), [&] { return found ? shown(*found) : "nothing"; }, allowed);
+    const auto found = valueOf(map, key);
+    if (!found) return "nothing, allowed " + oneOf(wordsOf(known), "") + " (required)";
+    return shown(*found) + ", allowed " + oneOf(wordsOf(known), nameIn(*found));
+  });
 }
 
 std::vector<std::string> textsOf(const std::vector<SchemaPtr>& alternatives) {
@@ -234,7 +231,7 @@ std::vector<std::string> textsOf(const std::vector<SchemaPtr>& alternatives) {
 /** How many of the alternatives fit a value; two stand for more. */
 std::size_t fittingOf(const YAML::Node& value, const std::vector<SchemaPtr>& alternatives) {
   std::size_t count = 0;
-  for (std::size_t k = 0; k < alternatives.size() && count < 2; ++k) count += alternatives[k]->fits(value) ? 1 : 0;
+  for (std::size_t k = 0; k < alternatives.size() && count < 2; ++k) count += alternatives[k]->fits(value);
   return count;
 }
 
@@ -248,20 +245,20 @@ void addAlternativesFault(const YAML::Node& value, const std::vector<SchemaPtr>&
   }
   const std::vector<std::string> keys = keysAskedFor(alternatives);
   if (!keys.empty()) {
-    findings.add(
-        value, where, [&] { return std::to_string(fitting.size()) + " of these keys"; },
-        [&] { return std::string(one_only ? "one" : "one or more") + " of " + joined(keys); });
+    findings.add(value, where, [&] {
+      return std::to_string(fitting.size()) + " of these keys, allowed one " + (one_only ? "" : "or more ") + "of " +
+             joined(keys);
+    });
   } else if (fitting.size() > 1) {
-    findings.add(
-        value, where, [&] { return shown(value) + ", which is " + joined(textsOf(fitting), " and "); },
-        [] { return "only one of them"; });
+    findings.add(value, where, [&] {
+      return shown(value) + ", which is " + joined(textsOf(fitting), " and ") + ", allowed only one of them";
+    });
   } else if (meant.size() == 1) {
     checkValue(value, *meant.front(), where, findings);
   } else if (value.IsMap() && !tellingKey(alternatives).empty()) {
     addTellingFault(value, tellingKey(alternatives), alternatives, where, findings);
   } else {
-    findings.add(
-        value, where, [&] { return shown(value); }, [&] { return joined(textsOf(alternatives), " or "); });
+    findings.add(value, where, [&] { return shown(value) + ", allowed " + joined(textsOf(alternatives), " or "); });
   }
 }
 
@@ -285,23 +282,18 @@ SchemaPtr propertyOfAlternatives(const std::vector<SchemaPtr>& alternatives, con
   if (properties.empty()) return nullptr;
   if (properties.size() == 1 || !map.IsDefined()) return properties.front();
   // Several describe the key: the first that fits the whole map, else the first that the map is meant to be.
-  for (std::size_t k = 0; k < properties.size(); ++k) {
-    if (describing[k]->fits(map)) return properties[k];
-  }
-  for (std::size_t k = 0; k < properties.size(); ++k) {
-    if (isMeant(map, *describing[k])) return properties[k];
-  }
-  return properties.front();
+  auto found = std::find_if(describing.begin(), describing.end(), [&](const auto& each) { return each->fits(map); });
+  if (found == describing.end())
+    found = std::find_if(describing.begin(), describing.end(), [&](const auto& each) { return isMeant(map, *each); });
+  return found == describing.end() ? properties.front() : properties[found - describing.begin()];
 }
 
 void checkValue(const YAML::Node& value, const Schema& schema, const std::string& where, Findings& findings) {
   if (!value.IsDefined()) return checkValue(YAML::Node(), schema, where, findings);
   const Fault fault = faultOf(value, schema);
-  if (fault != Fault::kNone) {
-    const auto allowed = [&] { return allowedInstead(fault, schema, value); };
-    return findings.add(
-        value, where, [&value] { return shown(value); }, allowed);
-  }
+  if (fault != Fault::kNone)
+    return findings.add(value, where,
+                        [&] { return shown(value) + ", allowed " + allowedInstead(fault, schema, value); });
   const bool of_map = schema.type == Type::kObject ||
                       (schema.type == Type::kAny && !(schema.properties.empty() && schema.required.empty()));
   if (of_map) checkObject(value, schema, where, findings);

@@ -1,5 +1,7 @@
 // What a schema allows, and values, in words.
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 #include "aras_visual_servo_common/read_section.hpp"
 #include "aras_visual_servo_common/text.hpp"
@@ -9,25 +11,21 @@ namespace {
 
 using Type = Schema::Type;
 
+/** What values of a type are called, one of them and several, in the order of the types. */
+constexpr std::array<std::array<const char*, 2>, 7> kWords = {{{"a value", "values"},
+                                                               {"a map", "maps"},
+                                                               {"a list", "lists"},
+                                                               {"a number", "numbers"},
+                                                               {"an integer", "integers"},
+                                                               {"true or false", "true or false"},
+                                                               {"a text", "texts"}}};
+
 std::string several(const Schema& schema) {
   if (!schema.choices.empty()) return "values, each " + schema.text();
-  switch (schema.type) {
-    case Type::kObject:
-      return "maps";
-    case Type::kArray:
-      return "lists, each " + schema.text();
-    case Type::kNumber:
-      return "numbers";
-    case Type::kInteger:
-      return "integers";
-    case Type::kBoolean:
-      return "true or false";
-    case Type::kString:
-      return "texts";
-    case Type::kAny:
-      break;
-  }
-  return schema.any_of.empty() && schema.one_of.empty() ? "values" : "values, each " + schema.text();
+  const std::string words = kWords[static_cast<std::size_t>(schema.type)][1];
+  const bool alternatives = !schema.any_of.empty() || !schema.one_of.empty();
+  const bool more = schema.type == Type::kArray || (schema.type == Type::kAny && alternatives);
+  return more ? words + ", each " + schema.text() : words;
 }
 
 std::string listText(const Schema& schema) {
@@ -51,15 +49,28 @@ std::string Schema::text() const {
     return oneOf(words, "");
   }
   if (type == Type::kArray) return listText(*this);
-  if (type == Type::kObject) return "a map";
-  if (type == Type::kNumber) return "a number";
-  if (type == Type::kInteger) return "an integer";
-  if (type == Type::kBoolean) return "true or false";
-  if (type == Type::kString) return "a text";
   std::vector<std::string> ways;
-  for (const SchemaPtr& each : any_of) ways.push_back(each->text());
-  for (const SchemaPtr& each : one_of) ways.push_back(each->text());
-  return ways.empty() ? "a value" : joined(ways, " or ");
+  if (type == Type::kAny) {
+    for (const SchemaPtr& each : any_of) ways.push_back(each->text());
+    for (const SchemaPtr& each : one_of) ways.push_back(each->text());
+  }
+  return ways.empty() ? kWords[static_cast<std::size_t>(type)][0] : joined(ways, " or ");
+}
+
+bool Range::contains(double value) const {
+  const bool above = min_excluded ? value > min : value >= min;
+  const bool below = max_excluded ? value < max : value <= max;
+  return std::isfinite(value) && above && below;
+}
+
+std::string Range::text() const {
+  constexpr double kLargest = std::numeric_limits<double>::max();
+  const std::string low = (min_excluded ? "> " : ">= ") + numberText(min);
+  const std::string high = (max_excluded ? "< " : "<= ") + numberText(max);
+  if (min > -kLargest && max < kLargest) return low + " and " + high;
+  if (min > -kLargest) return low;
+  if (max < kLargest) return high;
+  return "finite";
 }
 
 std::string placeOf(const YAML::Node& value, const std::string& file) {

@@ -2,9 +2,9 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <aras_visual_servo_common/errors.hpp>
 #include <cmath>
-#include <string>
+
+#include "joint_wish.hpp"
 
 namespace aras_visual_servo {
 namespace {
@@ -55,10 +55,7 @@ void Arrival::clear() {
 }
 
 std::pair<Arrival::Numbers, double> Arrival::features(std::int64_t stamp_ns, const Numbers& e, double tilt_rad) {
-  if (e.size() != thresholds_.size()) {
-    throw aras_visual_servo_common::ShapeError("e: " + std::to_string(e.size()) + " values, expected " +
-                                               std::to_string(thresholds_.size()));
-  }
+  requireSize("e", static_cast<Eigen::Index>(e.size()), static_cast<Eigen::Index>(thresholds_.size()));
   errors_.push_back({stamp_ns, e, tilt_rad});
   while (stamp_ns - errors_.front().stamp_ns > hold_ns_) errors_.pop_front();
   Numbers parts(e.size(), 0.0);

@@ -132,8 +132,7 @@ ChainKinematics::ChainKinematics(const std::string& urdf_xml, const std::string&
 }
 
 void ChainKinematics::check(const Joints& q) const {
-  if (q.size() != static_cast<Eigen::Index>(joint_names_.size()))
-    throw ShapeError("q: " + std::to_string(q.size()) + " values, expected " + std::to_string(joint_names_.size()));
+  requireSize("q", q.size(), static_cast<Eigen::Index>(joint_names_.size()));
   if (!q.allFinite()) throw NotFiniteError("q: a joint position is not finite");
 }
 
@@ -176,8 +175,7 @@ std::pair<Eigen::VectorXd, double> ChainKinematics::held(const TwistInverse& inv
                                                          const TwistInverse::JacobianRef& jacobian, const Joints& q,
                                                          const Joints& q_dot, double dt_s, double most_part) const {
   check(q);
-  if (q_dot.size() != q.size())
-    throw ShapeError("q_dot: " + std::to_string(q_dot.size()) + " values, expected " + std::to_string(q.size()));
+  requireSize("q_dot", q_dot.size(), q.size());
   const double factor = velocityFactor(q_dot, velocity_);
   Eigen::VectorXd slowed = q_dot;
   if (factor < 1.0) slowed *= factor;

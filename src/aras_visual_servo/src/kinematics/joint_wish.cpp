@@ -6,15 +6,12 @@
 #include <string>
 
 namespace aras_visual_servo {
-namespace {
 
 void requireSize(const char* name, Eigen::Index found, Eigen::Index expected) {
   if (found == expected) return;
   throw aras_visual_servo_common::ShapeError(std::string(name) + ": " + std::to_string(found) + " values, expected " +
                                              std::to_string(expected));
 }
-
-}  // namespace
 
 Wish::Wish(const Eigen::VectorXd& lower, const Eigen::VectorXd& upper, double posture_gain_per_s,
            double joint_limit_gain_per_s, double max_speed)

@@ -8,6 +8,9 @@ namespace aras_visual_servo {
 
 using JointsRef = Eigen::Ref<const Eigen::VectorXd>;
 
+/** Requires that a vector has so many values. @throws ShapeError */
+void requireSize(const char* name, Eigen::Index found, Eigen::Index expected);
+
 /** Joint velocities wanted where the twist leaves a choice: back to a posture, and away from joint limits. */
 class Wish {
  public:

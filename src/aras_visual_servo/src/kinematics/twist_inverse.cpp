@@ -6,6 +6,8 @@
 #include <limits>
 #include <string>
 
+#include "joint_wish.hpp"
+
 extern "C" void dgesdd_(const char* jobz, const int* m, const int* n, double* a, const int* lda, double* s, double* u,
                         const int* ldu, double* vt, const int* ldvt, double* work, const int* lwork, int* iwork,
                         int* info);
@@ -63,9 +65,7 @@ TwistInverse::TwistInverse(const TwistRef& rows, const VectorRef& ease, const Ja
 
 void TwistInverse::damp(const std::vector<double>& damping2, double threshold, double free_below, double rounding) {
   const auto count = static_cast<Eigen::Index>(sigmas_.size());
-  if (damping2.size() != sigmas_.size())
-    throw ShapeError("damping2: " + std::to_string(damping2.size()) + " values, expected " +
-                     std::to_string(sigmas_.size()));
+  requireSize("damping2", static_cast<Eigen::Index>(damping2.size()), count);
   gains_ = Vector::Zero(count);
   kept_ = Vector::Zero(kRows);
   free_ = Vector::Ones(ease_.size());
@@ -90,12 +90,6 @@ void TwistInverse::damp(const std::vector<double>& damping2, double threshold, d
   }
 }
 
-void TwistInverse::check(const VectorRef& wish) const {
-  if (wish.size() != ease_.size())
-    throw ShapeError("joint velocities: " + std::to_string(wish.size()) + " values, expected " +
-                     std::to_string(ease_.size()));
-}
-
 TwistInverse::Vector TwistInverse::inDirections(const TwistRef& twist, Eigen::Index count) const {
   const Twist scaled = rows_.cwiseProduct(twist);
   Vector y(count);
@@ -116,7 +110,7 @@ TwistInverse::Twist TwistInverse::toTwist(const Vector& y) const {
 }
 
 TwistInverse::Vector TwistInverse::ofJoints(const VectorRef& wish) const {
-  check(wish);
+  requireSize("joint velocities", wish.size(), ease_.size());
   const Vector eased = wish.cwiseQuotient(ease_);
   Vector y(eased.size());
   for (Eigen::Index i = 0; i < y.size(); ++i) y[i] = inOrder(Vt_.row(i), eased);
@@ -147,7 +141,7 @@ TwistInverse::Twist TwistInverse::turnAbout(const Eigen::Vector2d& turn, const E
 
 TwistInverse::Vector TwistInverse::turning(const JacobianRef& jacobian, const JacobianRef& half_way,
                                            const VectorRef& q_dot, double most_part) const {
-  check(q_dot);
+  requireSize("joint velocities", q_dot.size(), ease_.size());
   if (jacobian.cols() != q_dot.size() || half_way.cols() != q_dot.size())
     throw ShapeError("jacobian: " + std::to_string(jacobian.cols()) + " and " + std::to_string(half_way.cols()) +
                      " columns, expected " + std::to_string(q_dot.size()));
@@ -173,7 +167,7 @@ TwistInverse::Vector TwistInverse::nullPart(const VectorRef& q_dot) const {
 }
 
 TwistInverse::Vector TwistInverse::freeOfNorm(const VectorRef& wish, const TwistRef& twist) const {
-  check(wish);
+  requireSize("joint velocities", wish.size(), ease_.size());
   const Vector eased = wish.cwiseQuotient(ease_);
   Vector y = inDirections(twist, static_cast<Eigen::Index>(sigmas_.size()));
   for (Eigen::Index i = 0; i < y.size(); ++i) y[i] *= sigmas_[i];

@@ -74,7 +74,6 @@ class TwistInverse {
  private:
   /** The wish in the right singular directions. */
   Vector ofJoints(const VectorRef& wish) const;
-  void check(const VectorRef& wish) const;
 
   Twist rows_;
   Vector ease_;

@@ -25,33 +25,24 @@ ImageView viewOf(const py::array& image) {
   if (!rows_contiguous || (colour && image.strides(2) != size) || image.strides(0) < image.shape(1) * depth || odd)
     throw ShapeError("image: found strides " + std::string(py::str(image.attr("strides"))) +
                      ", allowed contiguous rows (numpy.ascontiguousarray)");
-  ImageView view;
-  view.data = static_cast<const std::uint8_t*>(image.data());
-  view.width_px = static_cast<int>(image.shape(1));
-  view.height_px = static_cast<int>(image.shape(0));
-  view.step_bytes = static_cast<std::size_t>(image.strides(0));
-  if (deep) {
-    view.format = grey ? PixelFormat::kMono16 : PixelFormat::kRgb16;
-  } else {
-    view.format = grey ? PixelFormat::kMono8 : (depth == 3 ? PixelFormat::kRgb8 : PixelFormat::kRgba8);
-  }
-  return view;
+  const PixelFormat format = grey         ? (deep ? PixelFormat::kMono16 : PixelFormat::kMono8)
+                             : deep       ? PixelFormat::kRgb16
+                             : depth == 3 ? PixelFormat::kRgb8
+                                          : PixelFormat::kRgba8;
+  return {static_cast<const std::uint8_t*>(image.data()), static_cast<int>(image.shape(1)),
+          static_cast<int>(image.shape(0)), static_cast<std::size_t>(image.strides(0)), format};
 }
 
 DepthView depthOf(const py::array& depth) {
-  DepthView view;
-  view.millimetres = py::isinstance<py::array_t<std::uint16_t>>(depth);
-  if (!(view.millimetres || py::isinstance<py::array_t<float>>(depth)) || depth.ndim() != 2 ||
+  const bool millimetres = py::isinstance<py::array_t<std::uint16_t>>(depth);
+  if (!(millimetres || py::isinstance<py::array_t<float>>(depth)) || depth.ndim() != 2 ||
       (depth.shape(1) > 1 && depth.strides(1) != depth.itemsize()) ||
       depth.strides(0) < depth.shape(1) * depth.itemsize())
     throw ShapeError("depth: found " + std::string(py::str(depth.attr("dtype"))) + " of shape " +
                      std::string(py::str(depth.attr("shape"))) +
                      ", allowed float32 [m] or uint16 [mm] of shape (h, w) with contiguous rows");
-  view.data = static_cast<const std::uint8_t*>(depth.data());
-  view.width_px = static_cast<int>(depth.shape(1));
-  view.height_px = static_cast<int>(depth.shape(0));
-  view.step_bytes = static_cast<std::size_t>(depth.strides(0));
-  return view;
+  return {static_cast<const std::uint8_t*>(depth.data()), static_cast<int>(depth.shape(1)),
+          static_cast<int>(depth.shape(0)), static_cast<std::size_t>(depth.strides(0)), millimetres};
 }
 
 py::array inRgb(const py::array& image, const std::string& encoding) {
@@ -69,23 +60,12 @@ py::array inRgb(const py::array& image, const std::string& encoding) {
 
 MomentFeatures toFeatures(const py::object& object) {
   if (py::isinstance<MomentFeatures>(object)) return object.cast<MomentFeatures>();
+  object.attr("valid");  // an AttributeError where the object is nothing like features
   MomentFeatures f;
-  f.target_visible = object.attr("target_visible").cast<bool>();
-  f.touches_border = object.attr("touches_border").cast<bool>();
-  f.symmetric = object.attr("symmetric").cast<bool>();
-  f.valid = object.attr("valid").cast<bool>();
-  f.area = object.attr("area").cast<double>();
-  f.alpha = object.attr("alpha").cast<double>();
-  f.mu = object.attr("mu").cast<std::vector<double>>();
-  if (py::hasattr(object, "point_x")) {  // messages recorded before there were points do without
-    f.point_x = object.attr("point_x").cast<std::vector<double>>();
-    f.point_y = object.attr("point_y").cast<std::vector<double>>();
-  }
-  if (py::hasattr(object, "ray_x")) {
-    f.ray_x = object.attr("ray_x").cast<std::vector<double>>();
-    f.ray_y = object.attr("ray_y").cast<std::vector<double>>();
-    f.ray_z = object.attr("ray_z").cast<std::vector<double>>();
-  }
+  // Messages that were recorded before there were points, rays or kernels do without these fields.
+#define ARAS_TAKE(field) \
+  if (py::hasattr(object, #field)) f.field = object.attr(#field).cast<decltype(f.field)>();
+  ARAS_MOMENT_FIELDS(ARAS_TAKE)
   return f;
 }
 

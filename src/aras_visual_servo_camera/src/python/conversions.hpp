@@ -5,7 +5,6 @@
 
 #include <string>
 
-#include "aras_visual_servo_camera/image/depth_view.hpp"
 #include "aras_visual_servo_camera/image/image_view.hpp"
 #include "aras_visual_servo_camera/moments/moment_features.hpp"
 

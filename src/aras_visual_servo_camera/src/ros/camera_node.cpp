@@ -2,6 +2,7 @@
 
 #include <sensor_msgs/image_encodings.h>
 
+#include <algorithm>
 #include <aras_visual_servo_common/ros/yaml_from_xmlrpc.hpp>
 
 #include "aras_visual_servo_camera/config/errors.hpp"
@@ -14,6 +15,7 @@ namespace {
 constexpr int kQueue = 100;                    // images that may wait: none is dropped in normal running
 constexpr std::uint32_t kFeatureQueue = 1000;  // messages: a listener that hesitates for seconds loses nothing
 constexpr std::chrono::seconds kThrottlePeriod{10};
+constexpr std::size_t kKeptDepths = 32;  // depth images whose images have not come
 constexpr double kDepthPeriod_s = 0.05;  // wall time between looks at images that wait for depth
 constexpr double kReportPeriod_s = 2.0;  // wall time without a pair after which the cause is reported
 
@@ -59,6 +61,48 @@ void Throttle::error(const std::string& text) {
   last_text_ = text;
   last_ = now;
   ROS_ERROR_STREAM("camera_node: " << text);
+}
+
+std::deque<DepthPairing::Image>::const_iterator DepthPairing::depthOf(const Waiting& waiting) const {
+  return std::find_if(depths_.begin(), depths_.end(),
+                      [&](const Image& depth) { return depth->header.stamp == waiting.image->header.stamp; });
+}
+
+bool DepthPairing::isOverdue(Clock::time_point now) const {
+  return !coming_ || now - waiting_.front().since > kPatience ||
+         std::any_of(waiting_.begin() + 1, waiting_.end(),
+                     [&](const Waiting& later) { return depthOf(later) != depths_.end(); });
+}
+
+void DepthPairing::addImage(const Image& image, const Info& info, Clock::time_point now) {
+  waiting_.push_back({image, info, now});
+  look(now);
+}
+
+void DepthPairing::addDepth(const Image& depth, Clock::time_point now) {
+  coming_ = true;
+  if (!depths_.empty() && depth->header.stamp < depths_.back()->header.stamp) depths_.clear();  // time went back
+  if (depths_.size() == kKeptDepths) depths_.pop_front();
+  depths_.push_back(depth);
+  look(now);
+}
+
+void DepthPairing::look(Clock::time_point now) {
+  while (!waiting_.empty()) {
+    const auto found = depthOf(waiting_.front());
+    Image depth;
+    if (found != depths_.end()) {
+      depth = *found;
+      depths_.erase(depths_.begin(), found + 1);
+    } else if (!isOverdue(now)) {
+      return;
+    } else if (now - waiting_.front().since > kPatience) {
+      coming_ = false;
+    }
+    const Waiting first = waiting_.front();
+    waiting_.pop_front();
+    hand_on_(first.image, first.info, depth);
+  }
 }
 
 CameraNode::CameraNode(ros::NodeHandle node, const ros::NodeHandle& private_node)

@@ -8,6 +8,8 @@
 #include <sensor_msgs/Image.h>
 
 #include <chrono>
+#include <deque>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -16,7 +18,6 @@
 #include "aras_visual_servo_camera/matching/match_extractor.hpp"
 #include "aras_visual_servo_camera/photometric/photometric_extractor.hpp"
 #include "aras_visual_servo_camera/tags/tag_extractor.hpp"
-#include "depth_pairing.hpp"
 
 namespace aras_visual_servo_camera {
 
@@ -28,6 +29,42 @@ class Throttle {
  private:
   std::string last_text_;
   std::chrono::steady_clock::time_point last_{};
+};
+
+/** Brings images together with the depth images of the same stamp, in the order of the images.
+ *
+ *  An image waits for its depth image. It is handed on without one as soon as the depth image of a later image is here,
+ *  after kPatience of wall time, and at once as long as none has come since another waited in vain. */
+class DepthPairing {
+ public:
+  using Image = sensor_msgs::ImageConstPtr;
+  using Info = sensor_msgs::CameraInfoConstPtr;
+  using Clock = std::chrono::steady_clock;
+  static constexpr std::chrono::seconds kPatience{2};
+
+  /** @param hand_on  is given each image with its depth image, or null */
+  explicit DepthPairing(std::function<void(const Image&, const Info&, const Image&)> hand_on)
+      : hand_on_(std::move(hand_on)) {}
+
+  void addImage(const Image& image, const Info& info, Clock::time_point now);
+  void addDepth(const Image& depth, Clock::time_point now);
+  /** Hand on what has waited long enough. Call it now and then. */
+  void look(Clock::time_point now);
+
+ private:
+  struct Waiting {
+    Image image;
+    Info info;
+    Clock::time_point since;
+  };
+
+  std::deque<Image>::const_iterator depthOf(const Waiting& waiting) const;
+  bool isOverdue(Clock::time_point now) const;
+
+  std::function<void(const Image&, const Info&, const Image&)> hand_on_;
+  std::deque<Waiting> waiting_;
+  std::deque<Image> depths_;
+  bool coming_ = true;
 };
 
 /** camera/image_raw and camera/camera_info of the same stamp in; camera/features out, one per pair, in order.

@@ -24,38 +24,28 @@ CameraIntrinsics toIntrinsics(const sensor_msgs::CameraInfo& info) {
 }
 
 ImageView toView(const sensor_msgs::Image& image) {
-  ImageView view;
-  view.format = formatNamed(image.encoding);
-  if (isDeep(view.format) && (image.is_bigendian || image.step % 2 != 0))
+  const PixelFormat format = formatNamed(image.encoding);
+  if (isDeep(format) && (image.is_bigendian || image.step % 2 != 0))
     throw ShapeError("image: found is_bigendian " + std::to_string(image.is_bigendian) + " and rows of " +
                      std::to_string(image.step) + " bytes, allowed 0 and an even number with " + image.encoding);
-  const std::size_t row = static_cast<std::size_t>(image.width) * bytesOf(view.format);
+  const std::size_t row = static_cast<std::size_t>(image.width) * bytesOf(format);
   if (image.step < row || image.data.size() < static_cast<std::size_t>(image.step) * image.height)
     throw ShapeError("image: found " + std::to_string(image.data.size()) + " bytes in rows of " +
                      std::to_string(image.step) + ", allowed at least " + std::to_string(row * image.height));
-  view.data = image.data.data();
-  view.width_px = static_cast<int>(image.width);
-  view.height_px = static_cast<int>(image.height);
-  view.step_bytes = image.step;
-  return view;
+  return {image.data.data(), static_cast<int>(image.width), static_cast<int>(image.height), image.step, format};
 }
 
 DepthView toDepthView(const sensor_msgs::Image& image) {
   namespace enc = sensor_msgs::image_encodings;
-  DepthView view;
-  view.millimetres = image.encoding == enc::TYPE_16UC1 || image.encoding == enc::MONO16;
-  if (!view.millimetres && image.encoding != enc::TYPE_32FC1)
+  const bool millimetres = image.encoding == enc::TYPE_16UC1 || image.encoding == enc::MONO16;
+  if (!millimetres && image.encoding != enc::TYPE_32FC1)
     throw ShapeError("depth image encoding: found '" + image.encoding + "', allowed 32FC1 [m], 16UC1 [mm]");
-  const std::size_t row = static_cast<std::size_t>(image.width) * (view.millimetres ? 2 : 4);
+  const std::size_t row = static_cast<std::size_t>(image.width) * (millimetres ? 2 : 4);
   if (image.is_bigendian || image.step < row || image.data.size() < static_cast<std::size_t>(image.step) * image.height)
     throw ShapeError("depth image: found is_bigendian " + std::to_string(image.is_bigendian) + " and " +
                      std::to_string(image.data.size()) + " bytes in rows of " + std::to_string(image.step) +
                      ", allowed 0 and at least " + std::to_string(row * image.height));
-  view.data = image.data.data();
-  view.width_px = static_cast<int>(image.width);
-  view.height_px = static_cast<int>(image.height);
-  view.step_bytes = image.step;
-  return view;
+  return {image.data.data(), static_cast<int>(image.width), static_cast<int>(image.height), image.step, millimetres};
 }
 
 // One field of a message. @see the lists beside the structs

@@ -8,7 +8,6 @@
 #include <sensor_msgs/Image.h>
 
 #include "aras_visual_servo_camera/image/camera_intrinsics.hpp"
-#include "aras_visual_servo_camera/image/depth_view.hpp"
 #include "aras_visual_servo_camera/image/image_view.hpp"
 #include "aras_visual_servo_camera/matching/match_features.hpp"
 #include "aras_visual_servo_camera/moments/moment_features.hpp"

@@ -3,6 +3,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <cstddef>
+#include <limits>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -11,9 +12,21 @@
 #include <vector>
 
 #include "aras_visual_servo_common/fault_list.hpp"
-#include "aras_visual_servo_common/range.hpp"
 
 namespace aras_visual_servo_common {
+
+/** Interval a number must lie in; each end belongs to it unless it is excluded. NaN and infinities never do. */
+struct Range {
+  double min = -std::numeric_limits<double>::max();
+  double max = std::numeric_limits<double>::max();
+  bool min_excluded = false;
+  bool max_excluded = false;
+
+  bool contains(double value) const;
+
+  /** In words, e.g. "> 0 and <= 255", or "finite" when there are no ends. */
+  std::string text() const;
+};
 
 struct Schema;
 using SchemaPtr = std::shared_ptr<const Schema>;

@@ -25,6 +25,12 @@ std::optional<std::int64_t> integerOf(const YAML::Node& value);
 /** The truth value a scalar holds, if it is one. Quoted text is not. */
 std::optional<bool> boolOf(const YAML::Node& value);
 
+/** Text that is never taken for a number or a truth value, as if it stood in quotes. */
+YAML::Node quotedText(const std::string& text);
+
+/** A number with every bit; NaN and infinities as YAML writes them. */
+YAML::Node exactNumber(double value);
+
 /** Names the keys of a map to the settings struct that cmake/generate_sections.py made for it, and reads them. */
 class KeyReader {
  public:

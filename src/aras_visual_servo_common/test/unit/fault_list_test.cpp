@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "aras_visual_servo_common/range.hpp"
+#include "aras_visual_servo_common/schema.hpp"
 #include "errors_of.hpp"
 
 namespace aras_visual_servo_common {

@@ -2,7 +2,6 @@
 
 #include <memory>
 
-#include "aras_visual_servo_camera/image/depth_view.hpp"
 #include "aras_visual_servo_camera/image/image_view.hpp"
 #include "aras_visual_servo_camera/image/last_views.hpp"
 #include "aras_visual_servo_camera/image/pixel_map.hpp"

@@ -2,10 +2,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <iomanip>
 #include <sstream>
 #include <string>
-#include <vector>
+#include <utility>
 
 #include "aras_visual_servo_camera/config/errors.hpp"
 
@@ -24,30 +25,28 @@ class LastViews {
   /** The place of a new image, to be filled; when all are taken, that of the oldest image. A stamp before the newest
    * one means that time was set back: the images before belong to another run and are forgotten. */
   View& add(std::int64_t stamp_ns) {
-    if (count_ > 0 && stamp_ns < newest().stamp_ns) count_ = 0;
-    if (count_ == 0 || stamp_ns != newest().stamp_ns) {
-      if (kept_.size() < kKept && count_ == kept_.size()) kept_.emplace_back();
-      newest_ = count_ == 0 ? 0 : (newest_ + 1) % kKept;
-      if (count_ < kKept) ++count_;
+    if (!kept_.empty() && stamp_ns < kept_.back().stamp_ns) kept_.clear();
+    if (kept_.size() == kKept && stamp_ns != kept_.back().stamp_ns) {
+      kept_.push_back(std::move(kept_.front()));
+      kept_.pop_front();
+    } else if (kept_.empty() || stamp_ns != kept_.back().stamp_ns) {
+      kept_.emplace_back();
     }
-    kept_[newest_].stamp_ns = stamp_ns;
-    return kept_[newest_].view;
+    kept_.back().stamp_ns = stamp_ns;
+    return kept_.back().view;
   }
 
   /** @throws ParameterError if no image of this stamp is kept */
   const View& at(std::int64_t stamp_ns) const {
-    for (std::size_t k = 0; k < count_; ++k)
-      if (kept_[k].stamp_ns == stamp_ns) return kept_[k].view;
-    std::string allowed = "allowed after an image with a stamp";
-    if (count_ > 0) {
-      const std::int64_t oldest_ns = kept_[(newest_ + 1) % count_].stamp_ns;
-      allowed = "allowed the stamp of one of the last " + std::to_string(count_) + " images, from " +
-                seconds(oldest_ns) + " to " + seconds(newest().stamp_ns);
-    }
-    throw ParameterError("reference.stamp: found " + seconds(stamp_ns) + ", " + allowed);
+    for (const Kept& kept : kept_)
+      if (kept.stamp_ns == stamp_ns) return kept.view;
+    const std::string found = "reference.stamp: found " + seconds(stamp_ns) + ", allowed ";
+    if (kept_.empty()) throw ParameterError(found + "after an image with a stamp");
+    throw ParameterError(found + "the stamp of one of the last " + std::to_string(kept_.size()) + " images, from " +
+                         seconds(kept_.front().stamp_ns) + " to " + seconds(kept_.back().stamp_ns));
   }
 
-  void clear() { count_ = 0; }
+  void clear() { kept_.clear(); }
 
  private:
   struct Kept {
@@ -55,16 +54,13 @@ class LastViews {
     View view;
   };
 
-  const Kept& newest() const { return kept_[newest_]; }
-
   static std::string seconds(std::int64_t stamp_ns) {
     std::ostringstream text;
     text << std::fixed << std::setprecision(9) << 1e-9 * static_cast<double>(stamp_ns) << " s";
     return text.str();
   }
 
-  std::vector<Kept> kept_;              // a ring; the first count_ of them are in use
-  std::size_t count_ = 0, newest_ = 0;  // newest_: its index
+  std::deque<Kept> kept_;  // from the oldest to the newest
 };
 
 }  // namespace aras_visual_servo_camera

@@ -4,7 +4,6 @@
 
 #include "aras_visual_servo_camera/config/vision_config.hpp"
 #include "aras_visual_servo_camera/image/camera_intrinsics.hpp"
-#include "aras_visual_servo_camera/image/depth_view.hpp"
 #include "aras_visual_servo_camera/image/image_view.hpp"
 #include "aras_visual_servo_camera/image/last_views.hpp"
 #include "aras_visual_servo_camera/matching/match_features.hpp"

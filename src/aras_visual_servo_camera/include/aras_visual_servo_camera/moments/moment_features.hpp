@@ -72,8 +72,6 @@ class FeatureBuilder {
  public:
   FeatureBuilder(int order, double asymmetry_threshold, double orientation_threshold);
   ~FeatureBuilder();
-  FeatureBuilder(FeatureBuilder&&) noexcept;
-  FeatureBuilder& operator=(FeatureBuilder&&) noexcept;
 
   struct View {
     bool visible, touches_border;

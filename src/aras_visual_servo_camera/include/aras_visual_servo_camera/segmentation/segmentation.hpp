@@ -23,8 +23,6 @@ class Segmentation {
  public:
   explicit Segmentation(const VisionConfig& config);
   ~Segmentation();
-  Segmentation(Segmentation&&) noexcept;
-  Segmentation& operator=(Segmentation&&) noexcept;
 
   /** @return the object; valid until the next call. @throws ShapeError if the view has no pixels */
   const ObjectMask& process(const ImageView& image);
@@ -49,6 +47,9 @@ class Segmentation {
   struct Work;
   std::unique_ptr<Work> work_;
 };
+
+/** Counts the pixels of each grey. @param grey  rows of width_px bytes, each step_bytes after the one before */
+std::array<int, 256> countGreys(const std::uint8_t* grey, int width_px, int height_px, std::size_t step_bytes);
 
 /** Grey levels of object and background, estimated from a histogram. */
 struct GreyLevels {

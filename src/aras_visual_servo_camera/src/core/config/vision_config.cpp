@@ -11,18 +11,16 @@ using aras_visual_servo_common::readSection;
 using aras_visual_servo_common::SectionCheck;
 using aras_visual_servo_common::shown;
 
-constexpr int kMinCorners = 3;
-
 void checkOdd(const SectionCheck& section, const char* key, int value) {
   if (value % 2 == 0) section.fault(key, value, "an odd number");
 }
 
-void checkDepth(const DepthConfig& depth, const SectionCheck& section) {
-  checkOdd(section, "window_px", depth.window_px);
+void checkDepth(const std::optional<DepthConfig>& depth, const SectionCheck& section) {
+  if (depth) checkOdd(section.part("depth"), "window_px", depth->window_px);
 }
 
 void checkMatching(const MatchingConfig& c, const SectionCheck& section) {
-  if (c.depth) checkDepth(*c.depth, section.part("depth"));
+  checkDepth(c.depth, section);
   if (c.keypoints < c.min_matches)
     section.fault("keypoints", c.keypoints, ">= min_matches, " + numberText(c.min_matches));
 }
@@ -70,7 +68,7 @@ void checkSegmentation(const VisionConfig& c, const SectionCheck& section) {
 void checkPoints(const VisionConfig& c, const SectionCheck& section) {
   if (c.points != PointSource::kNone && !section.has("point_count"))
     section.missing("point_count", "an integer with points corners or blobs");
-  if (c.points == PointSource::kCorners && c.point_count && *c.point_count < kMinCorners)
+  if (c.points == PointSource::kCorners && c.point_count && *c.point_count < 3)
     section.fault("point_count", *c.point_count, ">= 3 corners");
   if (c.rays && c.points != PointSource::kBlobs) section.fault("rays", "true", "false, or true with points blobs");
   if (c.depth && c.points == PointSource::kNone)
@@ -80,7 +78,7 @@ void checkPoints(const VisionConfig& c, const SectionCheck& section) {
 void checkVision(VisionConfig& c, const SectionCheck& section) {
   checkSegmentation(c, section);
   checkPoints(c, section);
-  if (c.depth) checkDepth(*c.depth, section.part("depth"));
+  checkDepth(c.depth, section);
   if (c.photometric) checkPhotometric(*c.photometric, section.part("photometric"));
   if (c.matches) checkMatching(*c.matches, section.part("matches"));
 }

@@ -1,12 +1,82 @@
 #include "aras_visual_servo_camera/extraction/moment_extractor.hpp"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+
 #include "aras_visual_servo_camera/config/errors.hpp"
 #include "image/depth_reader.hpp"
 #include "image/grey_image.hpp"
-#include "moments/kernel_projection.hpp"
 #include "points/point_features.hpp"
 
 namespace aras_visual_servo_camera {
+
+/** Projections of an object onto the kernels X^-p and Y^-q, with X = x - x0, Y = y - y0 from a corner outside the
+ * image.
+ *
+ *  kernel_x holds p, x0, and the integrals over the object of X^-(p - 1 + k) y^j dA at [2 + 2 k + j], k = 0, 1, 2 and
+ *  j = 0, 1; kernel_y the same of Y^-(q - 1 + k) x^j. The projections themselves are those of k = 1, j = 0; the others
+ *  make their interaction rows exact (docs/theory.md T47). Each weight counts at the centre of its pixel. */
+class KernelProjection {
+ public:
+  /** @param map  must outlive this. @param p, q  exponents, > 0 */
+  KernelProjection(const PixelMap& map, double p, double q);
+
+  /** Puts both into the features of this mask; empty where there is no target. */
+  void write(const ObjectMask& mask, MomentFeatures* features) const;
+
+ private:
+  struct Powers {
+    double x, y;  // X^-(p + 1), Y^-(q + 1)
+  };
+
+  const PixelMap& map_;
+  double p_, q_, x0_ = 0.0, y0_ = 0.0;
+  std::vector<Powers> powers_;  // of each pixel, row-major
+};
+
+KernelProjection::KernelProjection(const PixelMap& map, double p, double q) : map_(map), p_(p), q_(q) {
+  // One pixel outside the rays of the image's border, whatever the lens.
+  for (int v = 0; v < map.height(); ++v) {
+    for (int u = 0; u < map.width(); ++u) {
+      const PixelMap::Pixel pixel = map.at(u, v);
+      x0_ = std::min(x0_, pixel.x - 1.0 / map.intrinsics().fx());
+      y0_ = std::min(y0_, pixel.y - 1.0 / map.intrinsics().fy());
+    }
+  }
+  powers_.reserve(static_cast<std::size_t>(map.width()) * map.height());
+  for (int v = 0; v < map.height(); ++v) {
+    for (int u = 0; u < map.width(); ++u) {
+      const PixelMap::Pixel pixel = map.at(u, v);
+      powers_.push_back({std::pow(pixel.x - x0_, -p - 1.0), std::pow(pixel.y - y0_, -q - 1.0)});
+    }
+  }
+}
+
+void KernelProjection::write(const ObjectMask& mask, MomentFeatures* features) const {
+  features->kernel_x.clear();
+  features->kernel_y.clear();
+  if (!features->target_visible) return;
+  std::array<double, 6> sums_x{}, sums_y{};
+  const auto add = [&](int u, int v, double weight) {
+    const PixelMap::Pixel pixel = map_.at(u, v);
+    const Powers& powers = powers_[static_cast<std::size_t>(v) * map_.width() + u];
+    double a = weight * pixel.area * powers.x, b = weight * pixel.area * powers.y;
+    for (int k = 2; k >= 0; --k, a *= pixel.x - x0_, b *= pixel.y - y0_) {
+      sums_x[2 * k] += a;
+      sums_x[2 * k + 1] += a * pixel.y;
+      sums_y[2 * k] += b;
+      sums_y[2 * k + 1] += b * pixel.x;
+    }
+  };
+  for (const Span& s : mask.spans)
+    for (int u = s.u_begin; u < s.u_end; ++u) add(u, s.v, 1.0);
+  for (const EdgePixel& e : mask.edge) add(e.u, e.v, e.weight);
+  features->kernel_x = {p_, x0_};
+  features->kernel_y = {q_, y0_};
+  features->kernel_x.insert(features->kernel_x.end(), sums_x.begin(), sums_x.end());
+  features->kernel_y.insert(features->kernel_y.end(), sums_y.begin(), sums_y.end());
+}
 
 MomentExtractor::MomentExtractor(const CameraIntrinsics& intrinsics, const VisionConfig& config)
     : config_(config),

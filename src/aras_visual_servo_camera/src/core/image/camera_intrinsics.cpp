@@ -6,6 +6,7 @@
 #include <aras_visual_servo_common/text.hpp>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "aras_visual_servo_camera/config/sections.hpp"
 
@@ -49,24 +50,17 @@ CameraIntrinsics::CameraIntrinsics(int width_px, int height_px, const std::array
     if (K[k] != 0.0) fault("K[" + std::to_string(k) + "]", numberText(K[k]), "0");
   if (K[8] != 1.0) fault("K[8]", numberText(K[8]), "1");
 
-  std::vector<std::size_t> lengths{0};
-  if (distortion_model == "plumb_bob") {
-    lengths = {0, 4, 5};
-  } else if (distortion_model == "rational_polynomial") {
-    lengths = {0, 8};
-  } else if (distortion_model == "equidistant") {
-    lengths = {4};
-  } else if (distortion_model.empty() || distortion_model == "none") {
-    lengths = {D.size()};
+  static const std::map<std::string, std::vector<std::size_t>> kLengths = {
+      {"plumb_bob", {0, 4, 5}}, {"rational_polynomial", {0, 8}}, {"equidistant", {4}}};
+  const auto model = kLengths.find(distortion_model);
+  if (distortion_model.empty() || distortion_model == "none") {
     if (std::any_of(D.begin(), D.end(), [](double d) { return d != 0.0; }))
       fault("D", "coefficients other than 0", "zeros without a distortion_model");
-  } else {
+  } else if (model == kLengths.end()) {
     fault("distortion_model", "'" + distortion_model + "'", "none, plumb_bob, rational_polynomial, equidistant");
-    lengths = {D.size()};
-  }
-  if (std::find(lengths.begin(), lengths.end(), D.size()) == lengths.end()) {
+  } else if (std::find(model->second.begin(), model->second.end(), D.size()) == model->second.end()) {
     std::string allowed;
-    for (std::size_t length : lengths) allowed += (allowed.empty() ? "" : " or ") + std::to_string(length);
+    for (std::size_t length : model->second) allowed += (allowed.empty() ? "" : " or ") + std::to_string(length);
     fault("D", std::to_string(D.size()) + " coefficients", allowed + " for " + distortion_model);
   }
   for (double d : D) within("D", described.at("D")->items->range, d);
@@ -165,8 +159,7 @@ CameraIntrinsics::Undistorted CameraIntrinsics::undistort(double u_px, double v_
   Undistorted out;
   out.x = xd;
   out.y = yd;
-  if (lens_ ==
-      Lens::kEquidistant) {  // the angle, found by itself, is the solution to rounding; what follows polishes it
+  if (lens_ == Lens::kEquidistant) {  // the angle by itself is the solution to rounding; what follows polishes it
     const double rd = std::hypot(xd, yd), theta = angleOf(rd);
     if (theta > kWidestAngle) return out;
     if (rd > 0.0) {

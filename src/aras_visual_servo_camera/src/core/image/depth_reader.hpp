@@ -3,7 +3,7 @@
 #include <string>
 
 #include "aras_visual_servo_camera/config/vision_config.hpp"
-#include "aras_visual_servo_camera/image/depth_view.hpp"
+#include "aras_visual_servo_camera/image/image_view.hpp"
 #include "aras_visual_servo_camera/image/object_mask.hpp"
 #include "aras_visual_servo_camera/image/pixel_map.hpp"
 

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <opencv2/imgproc.hpp>
 #include <string>
+#include <utility>
 
 #include "aras_visual_servo_camera/config/errors.hpp"
 
@@ -33,42 +34,28 @@ void convert(const cv::Mat& view, int code, cv::Mat* grey) {
 
 constexpr int kLeastOfBayer = 3;  // pixels each way, which the interpolation takes its colours from
 
-/** OpenCV names a pattern after its second row. */
-int bayerCode(PixelFormat format) {
-  switch (format) {
-    case PixelFormat::kBayerBggr8:
-      return cv::COLOR_BayerRG2RGB;
-    case PixelFormat::kBayerGbrg8:
-      return cv::COLOR_BayerGR2RGB;
-    case PixelFormat::kBayerGrbg8:
-      return cv::COLOR_BayerGB2RGB;
-    default:
-      return cv::COLOR_BayerBG2RGB;
-  }
-}
+/** Of the patterns in the order of PixelFormat. OpenCV names a pattern after its second row. */
+constexpr int kBayerCodes[] = {cv::COLOR_BayerBG2RGB, cv::COLOR_BayerRG2RGB, cv::COLOR_BayerGR2RGB,
+                               cv::COLOR_BayerGB2RGB};
 
-struct Name {
-  const char* encoding;
-  PixelFormat format;
-};
-constexpr Name kNames[] = {{"rgb8", PixelFormat::kRgb8},
-                           {"bgr8", PixelFormat::kBgr8},
-                           {"mono8", PixelFormat::kMono8},
-                           {"rgba8", PixelFormat::kRgba8},
-                           {"mono16", PixelFormat::kMono16},
-                           {"rgb16", PixelFormat::kRgb16},
-                           {"bayer_rggb8", PixelFormat::kBayerRggb8},
-                           {"bayer_bggr8", PixelFormat::kBayerBggr8},
-                           {"bayer_gbrg8", PixelFormat::kBayerGbrg8},
-                           {"bayer_grbg8", PixelFormat::kBayerGrbg8}};
+constexpr std::pair<const char*, PixelFormat> kNames[] = {{"rgb8", PixelFormat::kRgb8},
+                                                          {"bgr8", PixelFormat::kBgr8},
+                                                          {"mono8", PixelFormat::kMono8},
+                                                          {"rgba8", PixelFormat::kRgba8},
+                                                          {"mono16", PixelFormat::kMono16},
+                                                          {"rgb16", PixelFormat::kRgb16},
+                                                          {"bayer_rggb8", PixelFormat::kBayerRggb8},
+                                                          {"bayer_bggr8", PixelFormat::kBayerBggr8},
+                                                          {"bayer_gbrg8", PixelFormat::kBayerGbrg8},
+                                                          {"bayer_grbg8", PixelFormat::kBayerGrbg8}};
 
 }  // namespace
 
 PixelFormat formatNamed(const std::string& encoding) {
   std::string allowed;
-  for (const Name& name : kNames) {
-    if (encoding == name.encoding) return name.format;
-    allowed += (allowed.empty() ? "" : ", ") + std::string(name.encoding);
+  for (const auto& [name, format] : kNames) {
+    if (encoding == name) return format;
+    allowed += (allowed.empty() ? "" : ", ") + std::string(name);
   }
   throw ShapeError("image encoding: found '" + encoding + "', allowed " + allowed);
 }
@@ -89,7 +76,8 @@ cv::Mat bytesIn(const ImageView& image) {
       throw ShapeError("image: found " + std::to_string(image.width_px) + " x " + std::to_string(image.height_px) +
                        " pixels of a Bayer pattern, allowed at least " + std::to_string(kLeastOfBayer) + " x " +
                        std::to_string(kLeastOfBayer));
-    cv::demosaicing(view, bytes, bayerCode(image.format));
+    cv::demosaicing(view, bytes,
+                    kBayerCodes[static_cast<int>(image.format) - static_cast<int>(PixelFormat::kBayerRggb8)]);
     return bytes;
   }
   if (!isDeep(image.format)) return view;

@@ -10,9 +10,10 @@ namespace aras_visual_servo_camera {
 
 /** A homography that many matches agree with. */
 struct PlaneHomography {
-  cv::Matx33d H;             ///< goal to image, scaled to R + t n^T / d: its middle singular value is 1, det > 0
+  cv::Matx33d H =
+      cv::Matx33d::eye();    ///< goal to image, scaled to R + t n^T / d: its middle singular value is 1, det > 0
   std::vector<int> inliers;  ///< indices of the matches that agree
-  double rms_px;             ///< of their distances
+  double rms_px = 0.0;       ///< of their distances
 
   /** Where it puts a point of the goal. */
   cv::Point2d apply(const cv::Point2d& p) const;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "aras_visual_servo_camera/config/errors.hpp"
 #include "image/depth_reader.hpp"
@@ -18,6 +19,34 @@ std::string lacksDepth(const Keypoints& seen, int least) {
   if (!seen.depth_fault.empty()) return seen.depth_fault;
   return "the depth image has holes: of " + std::to_string(seen.count()) + " keypoints " +
          std::to_string(seen.withDepth()) + " have a depth, needed at least " + std::to_string(least);
+}
+
+cv::Point2d normalised(const cv::Point2d& point) { return point; }
+cv::Point2d normalised(const cv::Vec3d& P) { return {P[0] / P[2], P[1] / P[2]}; }
+
+/** The motion of the goal image itself, with which all matches agree: exact, not only to rounding. */
+template <class Motion>
+Motion noMotion(std::size_t matches) {
+  Motion motion;
+  motion.inliers.resize(matches);
+  std::iota(motion.inliers.begin(), motion.inliers.end(), 0);
+  return motion;
+}
+
+/** Tells which matches agree with a motion. */
+template <class Motion, class Point>
+void writeInliers(const Motion& motion, const std::vector<Point>& here, const std::vector<Point>& there,
+                  MatchFeatures* features) {
+  features->inliers = static_cast<int>(motion.inliers.size());
+  features->rms_px = motion.rms_px;
+  for (int i : motion.inliers) {
+    const cv::Point2d p = normalised(here[static_cast<std::size_t>(i)]);
+    const cv::Point2d q = normalised(there[static_cast<std::size_t>(i)]);
+    features->match_x.push_back(p.x);
+    features->match_y.push_back(p.y);
+    features->match_goal_x.push_back(q.x);
+    features->match_goal_y.push_back(q.y);
+  }
 }
 
 }  // namespace
@@ -141,28 +170,16 @@ void MatchExtractor::match(MatchFeatures* features) const {
     there.push_back(w.goal.xy[static_cast<std::size_t>(goals)]);
   }
   features->matches = static_cast<int>(here.size());
-  std::optional<PlaneHomography> plane;
-  if (w.seen == w.goal) {  // the goal image itself: the goal's features are exact, not only to rounding
-    plane = PlaneHomography{cv::Matx33d::eye(), {}, 0.0};
-    for (int i = 0; i < features->matches; ++i) plane->inliers.push_back(i);
-  } else {
-    plane = findHomography(there, here, std::sqrt(w.intrinsics.fx() * w.intrinsics.fy()), config_);
-  }
+  const std::optional<PlaneHomography> plane =
+      w.seen == w.goal ? noMotion<PlaneHomography>(here.size())
+                       : findHomography(there, here, std::sqrt(w.intrinsics.fx() * w.intrinsics.fy()), config_);
   features->target_visible = features->valid = plane.has_value();
   if (!plane) {
     features->fault = "of " + std::to_string(features->matches) + " matches fewer than " +
                       std::to_string(config_.min_matches) + " agree on where the target is";
     return;
   }
-  features->inliers = static_cast<int>(plane->inliers.size());
-  features->rms_px = plane->rms_px;
-  for (int i : plane->inliers) {
-    const auto k = static_cast<std::size_t>(i);
-    features->match_x.push_back(here[k].x);
-    features->match_y.push_back(here[k].y);
-    features->match_goal_x.push_back(there[k].x);
-    features->match_goal_y.push_back(there[k].y);
-  }
+  writeInliers(*plane, here, there, features);
   cv::Point2d middle;
   for (const cv::Point2d& p : w.goal.box()) {
     const cv::Point2d q = plane->apply(p);
@@ -186,13 +203,9 @@ void MatchExtractor::matchInSpace(MatchFeatures* features) const {
     here.emplace_back(w.seen.z[i] * w.seen.xy[i].x, w.seen.z[i] * w.seen.xy[i].y, w.seen.z[i]);
     there.emplace_back(w.goal.z[k] * w.goal.xy[k].x, w.goal.z[k] * w.goal.xy[k].y, w.goal.z[k]);
   }
-  std::optional<RigidMotion> motion;
-  if (w.seen == w.goal) {  // the goal image itself, as in match()
-    motion = RigidMotion{};
-    for (std::size_t i = 0; i < here.size(); ++i) motion->inliers.push_back(static_cast<int>(i));
-  } else {
-    motion = findRigidMotion(there, here, std::sqrt(w.intrinsics.fx() * w.intrinsics.fy()), config_);
-  }
+  const std::optional<RigidMotion> motion =
+      w.seen == w.goal ? noMotion<RigidMotion>(here.size())
+                       : findRigidMotion(there, here, std::sqrt(w.intrinsics.fx() * w.intrinsics.fy()), config_);
   std::vector<cv::Vec3d> points;
   cv::Vec3d middle;
   for (const cv::Point2d& p : w.goal.box()) {
@@ -207,15 +220,7 @@ void MatchExtractor::matchInSpace(MatchFeatures* features) const {
                       " agree on where the target is";
     return;
   }
-  features->inliers = static_cast<int>(motion->inliers.size());
-  features->rms_px = motion->rms_px;
-  for (int i : motion->inliers) {
-    const cv::Vec3d &P = here[static_cast<std::size_t>(i)], &Q = there[static_cast<std::size_t>(i)];
-    features->match_x.push_back(P[0] / P[2]);
-    features->match_y.push_back(P[1] / P[2]);
-    features->match_goal_x.push_back(Q[0] / Q[2]);
-    features->match_goal_y.push_back(Q[1] / Q[2]);
-  }
+  writeInliers(*motion, here, there, features);
   for (const cv::Vec3d& P : points) {
     features->point_x.push_back(P[0] / P[2]);
     features->point_y.push_back(P[1] / P[2]);

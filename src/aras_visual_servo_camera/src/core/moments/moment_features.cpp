@@ -19,77 +19,10 @@ namespace {
 
 /** A vpMomentObject whose moments are handed over: vpMomentObject::fromImage sums in an order that varies and assumes a
  *  constant pixel area. */
-class HandedMomentObject : public vpMomentObject {
- public:
+struct HandedMomentObject : vpMomentObject {
   explicit HandedMomentObject(int order) : vpMomentObject(static_cast<unsigned>(order)) { setType(DENSE_FULL_OBJECT); }
-  /** @param m  the sequence of moments.hpp */
-  void take(const std::vector<double>& m);
+  using vpMomentObject::set;
 };
-
-/** ViSP's moments of one object, computed in the order of their dependencies (ViSP leaves that to the caller). */
-class VispMomentChain {
- public:
-  explicit VispMomentChain(int order);
-
-  /** Area, centroid and centred moments. */
-  void update(const std::vector<double>& m);
-  double xg() const { return gravity_.get()[0]; }
-  double yg() const { return gravity_.get()[1]; }
-  /** The sequence of moments.hpp. */
-  std::vector<double> mu() const;
-
-  struct Normalised {
-    double xn, yn, an;
-  };
-  /** After update(). */
-  Normalised normalised(double area_star, double z_star_m);
-
- private:
-  int order_;
-  HandedMomentObject object_;
-  vpMomentDatabase database_;
-  vpMomentBasic basic_;
-  vpMomentGravityCenter gravity_;
-  vpMomentCentered centred_;
-  vpMomentAreaNormalized area_;
-  vpMomentGravityCenterNormalized gravity_normalised_;
-};
-
-void HandedMomentObject::take(const std::vector<double>& m) {
-  for (unsigned n = 0; n <= getOrder(); ++n)
-    for (unsigned j = 0; j <= n; ++j) set(n - j, j, m[momentIndex(static_cast<int>(n - j), static_cast<int>(j))]);
-}
-
-VispMomentChain::VispMomentChain(int order) : order_(order), object_(order), area_(1.0, 1.0) {
-  for (vpMoment* moment : std::initializer_list<vpMoment*>{&basic_, &gravity_, &centred_, &area_, &gravity_normalised_})
-    moment->linkTo(database_);
-}
-
-void VispMomentChain::update(const std::vector<double>& m) {
-  object_.take(m);
-  database_.updateAll(object_);
-  basic_.compute();
-  gravity_.compute();
-  centred_.compute();
-}
-
-std::vector<double> VispMomentChain::mu() const {
-  std::vector<double> mu;
-  for (int n = 0; n <= order_; ++n)
-    for (int j = 0; j <= n; ++j) mu.push_back(centred_.get(static_cast<unsigned>(n - j), static_cast<unsigned>(j)));
-  return mu;
-}
-
-VispMomentChain::Normalised VispMomentChain::normalised(double area_star, double z_star_m) {
-  area_.setDesiredArea(area_star);
-  area_.setDesiredDepth(z_star_m);  // ViSP's default of 1 would scale all three by 1 / Z*
-  area_.compute();
-  gravity_normalised_.compute();
-  return {gravity_normalised_.get()[0], gravity_normalised_.get()[1], area_.get()[0]};
-}
-
-}  // namespace
-namespace {
 
 // Third-order moments whose direction agrees with the reference's, or with the opposite one, by less than this (cosine)
 // do not tell alpha from alpha + pi. A view that differs so much from the reference is treated like a symmetric one.
@@ -134,8 +67,50 @@ double dot(const ThirdMoments& a, const ThirdMoments& b) {
   return a[0] * b[0] + 3.0 * a[1] * b[1] + 3.0 * a[2] * b[2] + a[3] * b[3];
 }
 
-struct FeatureBuilder::VispMoments : VispMomentChain {
-  using VispMomentChain::VispMomentChain;
+/** ViSP's moments of one object, computed in the order of their dependencies (ViSP leaves that to the caller). */
+struct FeatureBuilder::VispMoments {
+  explicit VispMoments(int order) : object(order), area(1.0, 1.0) {
+    for (vpMoment* moment : std::initializer_list<vpMoment*>{&basic, &gravity, &centred, &area, &gravity_normalised})
+      moment->linkTo(database);
+  }
+
+  /** Computes the centroid and the centred moments. @param m  the sequence of moments.hpp */
+  void update(const std::vector<double>& m) {
+    forEachMoment([&](unsigned i, unsigned j) { object.set(i, j, m[momentIndex(i, j)]); });
+    database.updateAll(object);
+    basic.compute();
+    gravity.compute();
+    centred.compute();
+  }
+
+  /** Returns the centred moments in the sequence of moments.hpp. */
+  std::vector<double> mu() const {
+    std::vector<double> mu;
+    forEachMoment([&](unsigned i, unsigned j) { mu.push_back(centred.get(i, j)); });
+    return mu;
+  }
+
+  /** Computes the normalised features, after update(). */
+  void normalise(const Reference& reference) {
+    area.setDesiredArea(reference.area_star);
+    area.setDesiredDepth(reference.z_star_m);  // ViSP's default of 1 would scale all three by 1 / Z*
+    area.compute();
+    gravity_normalised.compute();
+  }
+
+  template <class Act>
+  void forEachMoment(Act act) const {
+    for (unsigned n = 0; n <= object.getOrder(); ++n)
+      for (unsigned j = 0; j <= n; ++j) act(n - j, j);
+  }
+
+  HandedMomentObject object;
+  vpMomentDatabase database;
+  vpMomentBasic basic;
+  vpMomentGravityCenter gravity;
+  vpMomentCentered centred;
+  vpMomentAreaNormalized area;
+  vpMomentGravityCenterNormalized gravity_normalised;
 };
 
 FeatureBuilder::FeatureBuilder(int order, double asymmetry_threshold, double orientation_threshold)
@@ -143,9 +118,8 @@ FeatureBuilder::FeatureBuilder(int order, double asymmetry_threshold, double ori
       asymmetry_threshold_(asymmetry_threshold),
       orientation_threshold_(orientation_threshold),
       names_(momentNames(order)) {}
+
 FeatureBuilder::~FeatureBuilder() = default;
-FeatureBuilder::FeatureBuilder(FeatureBuilder&&) noexcept = default;
-FeatureBuilder& FeatureBuilder::operator=(FeatureBuilder&&) noexcept = default;
 
 double FeatureBuilder::resolveAlpha(double alpha, const ThirdMoments& mu3, double asymmetry, double noise,
                                     bool* symmetric) {
@@ -184,13 +158,13 @@ MomentFeatures FeatureBuilder::build(const View& view, const std::vector<double>
   f.m = m;
   f.mu = visp_->mu();
   f.area = m[0];
-  f.xg = visp_->xg();
-  f.yg = visp_->yg();
+  f.xg = visp_->gravity.get()[0];
+  f.yg = visp_->gravity.get()[1];
   if (reference_) {
-    const VispMomentChain::Normalised n = visp_->normalised(reference_->area_star, reference_->z_star_m);
-    f.xn = n.xn;
-    f.yn = n.yn;
-    f.an = n.an;
+    visp_->normalise(*reference_);
+    f.xn = visp_->gravity_normalised.get()[0];
+    f.yn = visp_->gravity_normalised.get()[1];
+    f.an = visp_->area.get()[0];
   }
 
   const double mu20 = f.mu[momentIndex(2, 0)], mu11 = f.mu[momentIndex(1, 1)], mu02 = f.mu[momentIndex(0, 2)];

@@ -6,7 +6,6 @@
 #include <string>
 
 #include "aras_visual_servo_camera/config/errors.hpp"
-#include "photometric/column_sums.hpp"
 
 namespace aras_visual_servo_camera {
 namespace {
@@ -190,23 +189,16 @@ void PhotometricLevel::fillRow(int v, const Gradient& gradient, const cv::Mat& i
 }
 
 NormalEquations PhotometricLevel::sum(const Gradient& gradient, const cv::Mat& image) {
-  const int n = padded(width_ - 2 * border_), count = illuminationColumns(config_.illumination);
+  const int n = padded(width_ - 2 * border_);
   std::fill(columns_.begin(), columns_.end(), 0.0f);  // what pads a row adds nothing
   float* column[9];
   for (int k = 0; k < 9; ++k) column[k] = columns_.data() + static_cast<std::size_t>(k) * n;
-  ColumnSums sums(7 + count);
+  ColumnSums sums(7 + illuminationColumns(config_.illumination));
   for (int v = border_; v < height_ - border_; ++v) {
     fillRow(v, gradient, image, column);
     sums.add(columns_.data(), n);
   }
-  for (int k = 0; k < count; ++k) sums.eliminate(6 + k);
-  NormalEquations out;
-  for (int i = 0; i < 6; ++i) {
-    for (int j = 0; j < 6; ++j) out.H(i, j) = sums.at(i, j);
-    out.b[i] = sums.at(i, 6 + count);
-  }
-  out.cost = 0.5 * std::max(0.0, sums.at(6 + count, 6 + count));
-  return out;
+  return sums.equations();
 }
 
 // The columns of all rows as images, for the mapping. Gradients of pixels without a ray are those of one at (0, 0), so

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <tuple>
 
 #include "aras_visual_servo_camera/config/errors.hpp"
@@ -25,6 +26,13 @@ constexpr double kClearlyLarger = 1.5;
 template <class Pixels>
 void append(const std::vector<Pixels>& from, std::vector<Pixels>* to) {
   to->insert(to->end(), from.begin(), from.end());
+}
+
+template <class Value, class Index>
+std::vector<Value> picked(const std::vector<Value>& from, const std::vector<Index>& indices) {
+  std::vector<Value> values;
+  for (const Index k : indices) values.push_back(from[k]);
+  return values;
 }
 
 template <class Pixels>
@@ -92,21 +100,16 @@ void PointFeatures::findBlobs(const std::vector<ObjectMask>& objects) {
     object_of_.push_back(k);
   }
   if (tracker_.hasReference() || found_.size() <= count_) return;
-  std::vector<std::size_t> by_area;
-  for (std::size_t k = 0; k < found_.size(); ++k) by_area.push_back(k);
+  std::vector<std::size_t> by_area(found_.size());
+  std::iota(by_area.begin(), by_area.end(), std::size_t{0});
   const auto area = [&](std::size_t k) { return static_cast<double>(objects[object_of_[k]].area_px); };
   std::stable_sort(by_area.begin(), by_area.end(), [&](std::size_t a, std::size_t b) { return area(a) > area(b); });
   if (area(by_area[count_ - 1]) < kClearlyLarger * area(by_area[count_])) return;
   by_area.resize(count_);
   std::sort(by_area.begin(), by_area.end());
-  for (std::size_t k = 0; k < count_; ++k) {
-    found_[k] = found_[by_area[k]];
-    if (with_rays_) rays_[k] = rays_[by_area[k]];
-    object_of_[k] = object_of_[by_area[k]];
-  }
-  found_.resize(count_);
-  if (with_rays_) rays_.resize(count_);
-  object_of_.resize(count_);
+  found_ = picked(found_, by_area);
+  if (with_rays_) rays_ = picked(rays_, by_area);
+  object_of_ = picked(object_of_, by_area);
 }
 
 void PointFeatures::unite(const ObjectMask& chosen, const std::vector<ObjectMask>& objects) {
@@ -120,8 +123,6 @@ void PointFeatures::unite(const ObjectMask& chosen, const std::vector<ObjectMask
   together_.u_px = together_.v_px = 0.0;
   together_.spans.clear();
   together_.edge.clear();
-  std::vector<ImagePoint> points;
-  std::vector<CameraIntrinsics::Ray> rays;
   for (const int k : matched) {
     const ObjectMask& object = objects[object_of_[k]];
     append(object.spans, &together_.spans);
@@ -129,11 +130,9 @@ void PointFeatures::unite(const ObjectMask& chosen, const std::vector<ObjectMask
     together_.u_px += object.area_px * object.u_px;
     together_.v_px += object.area_px * object.v_px;
     together_.area_px += object.area_px;
-    points.push_back(found_[k]);
-    if (with_rays_) rays.push_back(rays_[k]);
   }
-  found_ = std::move(points);
-  rays_ = std::move(rays);
+  found_ = picked(found_, matched);
+  if (with_rays_) rays_ = picked(rays_, matched);
   if (!together_.visible) return;
   together_.u_px /= together_.area_px;
   together_.v_px /= together_.area_px;
@@ -183,13 +182,10 @@ void PointFeatures::check(const MomentFeatures& features) const {
 void PointFeatures::setReference(const MomentFeatures& features) {
   std::vector<ImagePoint> points;
   const std::size_t count = with_rays_ ? features.ray_x.size() : features.point_x.size();
-  for (std::size_t k = 0; k < count; ++k) points.push_back(placeOf(features, k));
+  for (std::size_t k = 0; k < count; ++k)
+    points.push_back(with_rays_ ? chartOf({features.ray_x[k], features.ray_y[k], features.ray_z[k], 0.0})
+                                : ImagePoint{features.point_x[k], features.point_y[k]});
   tracker_.setReference(points);
-}
-
-ImagePoint PointFeatures::placeOf(const MomentFeatures& features, std::size_t k) const {
-  if (!with_rays_) return {features.point_x[k], features.point_y[k]};
-  return chartOf({features.ray_x[k], features.ray_y[k], features.ray_z[k], 0.0});
 }
 
 }  // namespace aras_visual_servo_camera

@@ -42,8 +42,6 @@ class PointFeatures {
   void findBlobs(const std::vector<ObjectMask>& objects);
   void unite(const ObjectMask& chosen, const std::vector<ObjectMask>& objects);
 
-  ImagePoint placeOf(const MomentFeatures& features, std::size_t k) const;
-
   const PixelMap& map_;
   bool with_rays_;
   PointSource source_;

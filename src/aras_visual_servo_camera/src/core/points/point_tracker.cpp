@@ -4,6 +4,7 @@
 #include <cmath>
 #include <complex>
 #include <limits>
+#include <numeric>
 
 namespace aras_visual_servo_camera {
 namespace {
@@ -62,8 +63,8 @@ std::vector<int> PointTracker::firstOrder(const std::vector<ImagePoint>& found) 
     centre.x += p.x / static_cast<double>(found.size());
     centre.y += p.y / static_cast<double>(found.size());
   }
-  std::vector<int> order;
-  for (std::size_t k = 0; k < found.size(); ++k) order.push_back(static_cast<int>(k));
+  std::vector<int> order(found.size());
+  std::iota(order.begin(), order.end(), 0);
   if (!cyclic_) {
     std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
       return std::atan2(found[a].y - centre.y, found[a].x - centre.x) <

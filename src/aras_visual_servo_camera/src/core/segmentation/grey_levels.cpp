@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
+#include <utility>
 
 #include "aras_visual_servo_camera/segmentation/segmentation.hpp"
 
@@ -70,6 +72,41 @@ double classLevel(const Histogram& h, int first, int last, bool is_dark) {
 }
 
 }  // namespace
+
+std::array<int, 256> countGreys(const std::uint8_t* grey, int width_px, int height_px, std::size_t step_bytes) {
+  std::array<std::array<int, 256>, 4> parts{};  // four, so that equal neighbours do not wait for each other
+  constexpr int kBlock = 32, kWords = 4;
+  // Blocks of one grey, most of an image, are compared with the last such block and counted when another comes.
+  std::uint64_t last = 0;
+  int blocks = 0;
+  const auto flush = [&] { parts[0][last & 0xff] += kBlock * std::exchange(blocks, 0); };
+  for (int v = 0; v < height_px; ++v) {
+    const std::uint8_t* row = grey + v * step_bytes;
+    int u = 0;
+    for (; u + kBlock <= width_px; u += kBlock) {
+      std::uint64_t words[kWords];
+      std::memcpy(words, row + u, kBlock);
+      const auto holds = [&words](std::uint64_t one) {
+        return ((words[0] ^ one) | (words[1] ^ one) | (words[2] ^ one) | (words[3] ^ one)) == 0;
+      };
+      if (!holds(last)) {
+        const std::uint64_t one = row[u] * std::uint64_t{0x0101010101010101};
+        if (!holds(one)) {
+          for (int k = 0; k < kBlock; ++k) ++parts[k % 4][row[u + k]];
+          continue;
+        }
+        flush();
+        last = one;
+      }
+      ++blocks;
+    }
+    for (; u < width_px; ++u) ++parts[0][row[u]];
+  }
+  flush();
+  Histogram sum{};
+  for (int g = 0; g < 256; ++g) sum[g] = parts[0][g] + parts[1][g] + parts[2][g] + parts[3][g];
+  return sum;
+}
 
 std::optional<GreyLevels> estimateGreyLevels(const Histogram& histogram, ObjectShade object, int min_area_px,
                                              double min_contrast) {

@@ -19,6 +19,15 @@ bool contains(const Candidate& box, double u, double v) {
   return u >= box.u_min - 1 && u <= box.u_max + 1 && v >= box.v_min - 1 && v <= box.v_max + 1;
 }
 
+/** Indices of the candidates that may be the target: no specks, and none of a strange shape. */
+std::vector<int> eligibleOf(const std::vector<Candidate>& candidates) {
+  std::vector<int> eligible;
+  for (std::size_t k = 0; k < candidates.size(); ++k)
+    if (!candidates[k].speck && !(candidates[k].dissimilarity > kMaxDissimilarity))
+      eligible.push_back(static_cast<int>(k));
+  return eligible;
+}
+
 bool similarArea(double a, double b, double ratio) { return a <= ratio * b && b <= ratio * a; }
 
 }  // namespace
@@ -63,6 +72,11 @@ void ObjectSelector::associate(const std::vector<Candidate>& candidates) {
     tracks_[pair.track].candidate = static_cast<int>(pair.candidate);
     taken[pair.candidate] = true;
   }
+}
+
+bool ObjectSelector::isAnother(int candidate) const {
+  return std::any_of(tracks_.begin(), tracks_.end(),
+                     [candidate](const Track& track) { return !track.target && track.candidate == candidate; });
 }
 
 // True when another object was seen shortly before where this one is now.
@@ -110,10 +124,7 @@ ObjectSelector::Choice ObjectSelector::keepOrSwitch(const std::vector<Candidate>
     better_for_ = 0;
     return {followed, false};
   }
-  std::vector<int> all;
-  for (std::size_t k = 0; k < candidates.size(); ++k)
-    if (!candidates[k].speck && !(candidates[k].dissimilarity > kMaxDissimilarity)) all.push_back(static_cast<int>(k));
-  const Choice other = best(candidates, all);
+  const Choice other = best(candidates, eligibleOf(candidates));
   const bool takes_over = other.index >= 0 && !better(candidates[followed], candidates[other.index]);
   better_for_ = takes_over && other.index != followed ? better_for_ + 1 : 0;
   if (better_for_ < config_.switch_images) return {followed, false};
@@ -123,23 +134,17 @@ ObjectSelector::Choice ObjectSelector::keepOrSwitch(const std::vector<Candidate>
 
 ObjectSelector::Choice ObjectSelector::acquire(const std::vector<Candidate>& candidates) {
   better_for_ = 0;
-  std::vector<int> eligible;
-  for (std::size_t k = 0; k < candidates.size(); ++k) {
-    const bool another = std::any_of(tracks_.begin(), tracks_.end(), [&](const Track& track) {
-      return !track.target && track.candidate == static_cast<int>(k);
-    });
-    if (candidates[k].speck || candidates[k].dissimilarity > kMaxDissimilarity) continue;
-    if (target() == nullptr || !another) eligible.push_back(static_cast<int>(k));
-  }
+  std::vector<int> eligible = eligibleOf(candidates);
+  const auto others =
+      std::remove_if(eligible.begin(), eligible.end(), [this](int k) { return target() != nullptr && isAnother(k); });
+  eligible.erase(others, eligible.end());
   return best(candidates, eligible);
 }
 
 // After the target has merged with another object: once there are as many objects as before, the target is the better
 // one, if one is better. Or it is an object that has been alone for a while and is as large as the target was.
 ObjectSelector::Choice ObjectSelector::recover(const std::vector<Candidate>& candidates) {
-  std::vector<int> all;
-  for (std::size_t k = 0; k < candidates.size(); ++k)
-    if (!candidates[k].speck && !(candidates[k].dissimilarity > kMaxDissimilarity)) all.push_back(static_cast<int>(k));
+  const std::vector<int> all = eligibleOf(candidates);
   const bool alone =
       all.size() == 1 && similarArea(candidates[all[0]].area_px, target()->area_px, config_.switch_ratio);
   alone_for_ = alone ? alone_for_ + 1 : 0;
@@ -159,10 +164,7 @@ void ObjectSelector::remember(const std::vector<Candidate>& candidates, const Ch
   for (std::size_t k = 0; k < candidates.size(); ++k) {
     const bool chosen = static_cast<int>(k) == choice.index;
     // Beside the target, everything is another; while it is gone, only what was known as another before.
-    const bool known = std::any_of(tracks_.begin(), tracks_.end(), [&](const Track& track) {
-      return !track.target && track.candidate == static_cast<int>(k);
-    });
-    if ((candidates[k].speck && !chosen) || (choice.index < 0 && !known)) continue;
+    if ((candidates[k].speck && !chosen) || (choice.index < 0 && !isAnother(static_cast<int>(k)))) continue;
     tracks.push_back({candidates[k].u_px, candidates[k].v_px, candidates[k].area_px, 0, chosen, -1});
   }
   for (const Track& track : tracks_)

@@ -44,6 +44,8 @@ class ObjectSelector {
   };
 
   void associate(const std::vector<Candidate>& candidates);
+  /** Whether a candidate is an object that is known and is not the target. */
+  bool isAnother(int candidate) const;
   bool coversAnother(const Candidate& candidate) const;
   int joined(const std::vector<Candidate>& candidates) const;
   bool better(const Candidate& a, const Candidate& b) const;

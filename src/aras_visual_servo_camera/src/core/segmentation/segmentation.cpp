@@ -2,16 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
-#include <utility>
 
 #include "aras_visual_servo_camera/config/errors.hpp"
 #include "image/grey_image.hpp"
 #include "moments/shape.hpp"
-#include "segmentation/blind_area.hpp"
 #include "segmentation/components.hpp"
 #include "segmentation/edge_weights.hpp"
 #include "segmentation/object_selector.hpp"
@@ -23,40 +20,39 @@ namespace {
 // outside the image.
 constexpr double kBorderWeight = 0.1;
 
-std::array<int, 256> countGreys(const cv::Mat& grey) {
-  std::array<std::array<int, 256>, 4> parts{};  // four, so that equal neighbours do not wait for each other
-  constexpr int kBlock = 32, kWords = 4;
-  // Blocks of one grey, most of an image, are compared with the last such block and counted when another comes.
-  std::uint64_t last = 0;
-  int blocks = 0;
-  const auto flush = [&] { parts[0][last & 0xff] += kBlock * std::exchange(blocks, 0); };
-  for (int v = 0; v < grey.rows; ++v) {
-    const std::uint8_t* row = grey.ptr(v);
-    int u = 0;
-    for (; u + kBlock <= grey.cols; u += kBlock) {
-      std::uint64_t words[kWords];
-      std::memcpy(words, row + u, kBlock);
-      const auto holds = [&words](std::uint64_t one) {
-        return ((words[0] ^ one) | (words[1] ^ one) | (words[2] ^ one) | (words[3] ^ one)) == 0;
-      };
-      if (!holds(last)) {
-        const std::uint64_t one = row[u] * std::uint64_t{0x0101010101010101};
-        if (!holds(one)) {
-          for (int k = 0; k < kBlock; ++k) ++parts[k % 4][row[u + k]];
-          continue;
-        }
-        flush();
-        last = one;
-      }
-      ++blocks;
-    }
-    for (; u < grey.cols; ++u) ++parts[0][row[u]];
+/** Pixels without a usable ray, such as those that a fisheye sees beyond CameraIntrinsics::kWidestAngle and those
+ *  outside its circle. The segmentation treats them as lying outside the image. */
+class BlindArea {
+ public:
+  BlindArea() = default;
+  explicit BlindArea(const PixelMap& map) {
+    if (map.separable()) return;
+    blind_ = cv::Mat::zeros(map.height(), map.width(), CV_8UC1);
+    for (int v = 0; v < map.height(); ++v)
+      for (int u = 0; u < map.width(); ++u)
+        if (!map.sees(u, v)) blind_.at<std::uint8_t>(v, u) = 255;
+    count_ = cv::countNonZero(blind_);
+    constexpr int kReach = 3;  // [px]: an edge is two wide
+    cv::dilate(blind_, near_, cv::Mat::ones(2 * kReach + 1, 2 * kReach + 1, CV_8UC1));
   }
-  flush();
-  std::array<int, 256> sum{};
-  for (int g = 0; g < 256; ++g) sum[g] = parts[0][g] + parts[1][g] + parts[2][g] + parts[3][g];
-  return sum;
-}
+
+  /** Number of such pixels. */
+  int count() const { return count_; }
+  /** Sets all these pixels to one grey. */
+  void fill(std::uint8_t grey, cv::Mat* image) const { image->setTo(grey, blind_); }
+  /** Whether a component comes so near to these pixels that its edge may lie among them. */
+  bool meets(const std::vector<Run>& runs, int component) const {
+    return count_ > 0 && std::any_of(runs.begin(), runs.end(), [&](const Run& run) {
+             if (run.component != component) return false;
+             const std::uint8_t* row = near_.ptr(run.v);
+             return std::find(row + run.u_begin, row + run.u_end, 255) != row + run.u_end;
+           });
+  }
+
+ private:
+  int count_ = 0;
+  cv::Mat blind_, near_;  // 255 where it is so
+};
 
 /** Pixels with (grey ^ flip) <= level are in the object. */
 struct Threshold {
@@ -98,6 +94,9 @@ struct Segmentation::Work {
   /** Weights and description of one component; `out` has the size of the image and nothing else. */
   void extract(const cv::Mat& grey, const std::optional<GreyLevels>& levels, int component, ObjectMask* out);
   void extractAll(const cv::Mat& grey, const std::optional<GreyLevels>& levels);
+  /** Whether a component has a pixel in the rim of the image that is so wide. */
+  bool isNearBorder(const Component& c, int margin_px) const;
+  ObjectMask emptyMask() const;
   void applyBorderMargin(int component);
 };
 
@@ -106,8 +105,6 @@ Segmentation::Segmentation(const VisionConfig& config) : work_(std::make_unique<
   work_->selector = ObjectSelector(config);
 }
 Segmentation::~Segmentation() = default;
-Segmentation::Segmentation(Segmentation&&) noexcept = default;
-Segmentation& Segmentation::operator=(Segmentation&&) noexcept = default;
 
 void Segmentation::setMap(const PixelMap& map) { work_->blind = BlindArea(map); }
 
@@ -125,14 +122,14 @@ void Segmentation::clearReferenceShape() { work_->reference_shape.reset(); }
 const std::vector<ObjectMask>& Segmentation::objects() const { return work_->objects; }
 
 cv::Mat Segmentation::Work::withoutBlind(const cv::Mat& grey) {
-  if (blind.empty()) return grey;
+  if (blind.count() == 0) return grey;
   grey.copyTo(seeing);
   blind.fill(config.object == ObjectShade::kDark ? 255 : 0, &seeing);
   return seeing;
 }
 
 std::array<int, 256> Segmentation::Work::histogramOf(const cv::Mat& grey) const {
-  std::array<int, 256> histogram = countGreys(grey);
+  std::array<int, 256> histogram = countGreys(grey.ptr(), grey.cols, grey.rows, grey.step);
   histogram[config.object == ObjectShade::kDark ? 255 : 0] -= blind.count();
   return histogram;
 }
@@ -186,8 +183,7 @@ void Segmentation::Work::listCandidates(const cv::Mat& grey, const std::optional
     const Component& c = finder.components()[k];
     if (c.area_px < least) continue;
     const double n = static_cast<double>(c.area_px);
-    const bool cut = c.u_min == 0 || c.v_min == 0 || c.u_max == mask.width_px - 1 || c.v_max == mask.height_px - 1 ||
-                     blind.meets(finder.runs(), static_cast<int>(k));
+    const bool cut = isNearBorder(c, 1) || blind.meets(finder.runs(), static_cast<int>(k));
     candidates.push_back({static_cast<double>(c.sum_u) / n, static_cast<double>(c.sum_v) / n, n, c.u_min, c.u_max,
                           c.v_min, c.v_max, cut, c.area_px < config.min_area_px,
                           dissimilarityOf(grey, levels, static_cast<int>(k))});
@@ -199,10 +195,7 @@ double Segmentation::Work::dissimilarityOf(const cv::Mat& grey, const std::optio
                                            int component) {
   if (config.component != ComponentChoice::kMostSimilar || !reference_shape)
     return std::numeric_limits<double>::quiet_NaN();
-  ObjectMask object;
-  object.width_px = mask.width_px;
-  object.height_px = mask.height_px;
-  object.soft_edges = mask.soft_edges;
+  ObjectMask object = emptyMask();
   extract(grey, levels, component, &object);
   const std::optional<ShapeSignature> shape = shapeOf(object);
   return shape ? dissimilarity(*shape, *reference_shape) : std::numeric_limits<double>::infinity();
@@ -222,8 +215,7 @@ void Segmentation::Work::extract(const cv::Mat& grey, const std::optional<GreyLe
   out->area_px = static_cast<int>(c.area_px);
   out->u_px = static_cast<double>(c.sum_u) / static_cast<double>(c.area_px);
   out->v_px = static_cast<double>(c.sum_v) / static_cast<double>(c.area_px);
-  out->touches_border =
-      c.u_min == 0 || c.v_min == 0 || c.u_max == u_last || c.v_max == v_last || blind.meets(finder.runs(), component);
+  out->touches_border = isNearBorder(c, 1) || blind.meets(finder.runs(), component);
   for (const EdgePixel& e : out->edge)
     if (e.weight > kBorderWeight && (e.u == 0 || e.v == 0 || e.u == u_last || e.v == v_last))
       out->touches_border = true;
@@ -232,22 +224,28 @@ void Segmentation::Work::extract(const cv::Mat& grey, const std::optional<GreyLe
 void Segmentation::Work::extractAll(const cv::Mat& grey, const std::optional<GreyLevels>& levels) {
   for (std::size_t k = 0; k < finder.components().size(); ++k) {
     if (finder.components()[k].area_px < config.min_area_px) continue;
-    ObjectMask object;
-    object.width_px = mask.width_px;
-    object.height_px = mask.height_px;
-    object.soft_edges = mask.soft_edges;
+    ObjectMask object = emptyMask();
     object.components = mask.components;
     extract(grey, levels, static_cast<int>(k), &object);
     objects.push_back(std::move(object));
   }
 }
 
+bool Segmentation::Work::isNearBorder(const Component& c, int margin_px) const {
+  return c.u_min < margin_px || c.v_min < margin_px || c.u_max >= mask.width_px - margin_px ||
+         c.v_max >= mask.height_px - margin_px;
+}
+
+ObjectMask Segmentation::Work::emptyMask() const {
+  ObjectMask empty;
+  empty.width_px = mask.width_px;
+  empty.height_px = mask.height_px;
+  empty.soft_edges = mask.soft_edges;
+  return empty;
+}
+
 void Segmentation::Work::applyBorderMargin(int component) {
-  const Component& c = finder.components()[component];
-  const int margin = config.border_margin_px;
-  const bool clear =
-      c.u_min >= margin && c.v_min >= margin && c.u_max < mask.width_px - margin && c.v_max < mask.height_px - margin;
-  was_cut = mask.touches_border || (was_cut && !clear);
+  was_cut = mask.touches_border || (was_cut && isNearBorder(finder.components()[component], config.border_margin_px));
   mask.touches_border = was_cut;
 }
 

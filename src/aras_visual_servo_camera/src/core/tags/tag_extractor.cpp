@@ -1,5 +1,7 @@
 #include "aras_visual_servo_camera/tags/tag_extractor.hpp"
 
+#include <dlfcn.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -41,7 +43,42 @@ cv::Matx33d homographyOf(const Corners& goal, const Corners& here) {
   return H * ((cv::determinant(H) > 0.0 ? 1.0 : -1.0) / sigmas[1]);
 }
 
+/** Pose of the tag's frame in the camera: origin in its middle, x to the right and y up on it, z out of its face. */
+void addPose(const Corners& corners, double size_m, TagFeatures* features) {
+  const double half = 0.5 * size_m;
+  const std::vector<cv::Point3d> object = {{-half, half, 0}, {half, half, 0}, {half, -half, 0}, {-half, -half, 0}};
+  const std::vector<cv::Point2d> image(corners.begin(), corners.end());
+  std::vector<cv::Mat> rotations, translations;
+  std::vector<double> errors;
+  cv::solvePnPGeneric(object, image, cv::Matx33d::eye(), cv::noArray(), rotations, translations, false,
+                      cv::SOLVEPNP_IPPE_SQUARE, cv::noArray(), cv::noArray(), errors);
+  if (rotations.empty() || !cv::checkRange(rotations[0]) || !cv::checkRange(translations[0])) return;
+  cv::Matx33d R;
+  cv::Rodrigues(rotations[0], R);
+  const Eigen::Quaterniond q(Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(R.val));
+  features->position_m.assign(translations[0].ptr<double>(), translations[0].ptr<double>() + 3);
+  features->orientation = {q.x(), q.y(), q.z(), q.w()};
+  features->pose_error = errors[0];
+  if (errors.size() > 1) features->other_pose_error = errors[1];
+}
+
+/** The file beside the one that holds this function. */
+std::string installedLibrary() {
+  Dl_info here;
+  if (dladdr(reinterpret_cast<void*>(&installedLibrary), &here) == 0) return kAprilTagLibrary;
+  const std::string file = here.dli_fname;
+  return file.substr(0, file.rfind('/') + 1) + kAprilTagLibrary;
+}
+
 }  // namespace
+
+std::unique_ptr<TagFinder> openTagFinder(const std::string& family, const std::string& library) {
+  const std::string file = library.empty() ? installedLibrary() : library;
+  void* handle = dlopen(file.c_str(), RTLD_LAZY | RTLD_LOCAL);  // the same one each time, which nobody closes
+  void* function = handle ? dlsym(handle, kNewAprilTagFinder) : nullptr;
+  if (!function) throw ArasError("tag: the library that finds AprilTags cannot be used: " + std::string(dlerror()));
+  return std::unique_ptr<TagFinder>(reinterpret_cast<NewAprilTagFinder*>(function)(family.c_str()));
+}
 
 struct TagExtractor::Work {
   Work(const CameraIntrinsics& camera, const TagConfig& config)
@@ -153,29 +190,6 @@ void TagExtractor::Work::adopt(const View& view, double z_m) {
   goal = view;
   z_star_m = z_m;
 }
-
-namespace {
-
-/** Pose of the tag's frame in the camera: origin in its middle, x to the right and y up on it, z out of its face. */
-void addPose(const Corners& corners, double size_m, TagFeatures* features) {
-  const double half = 0.5 * size_m;
-  const std::vector<cv::Point3d> object = {{-half, half, 0}, {half, half, 0}, {half, -half, 0}, {-half, -half, 0}};
-  const std::vector<cv::Point2d> image(corners.begin(), corners.end());
-  std::vector<cv::Mat> rotations, translations;
-  std::vector<double> errors;
-  cv::solvePnPGeneric(object, image, cv::Matx33d::eye(), cv::noArray(), rotations, translations, false,
-                      cv::SOLVEPNP_IPPE_SQUARE, cv::noArray(), cv::noArray(), errors);
-  if (rotations.empty() || !cv::checkRange(rotations[0]) || !cv::checkRange(translations[0])) return;
-  cv::Matx33d R;
-  cv::Rodrigues(rotations[0], R);
-  const Eigen::Quaterniond q(Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(R.val));
-  features->position_m.assign(translations[0].ptr<double>(), translations[0].ptr<double>() + 3);
-  features->orientation = {q.x(), q.y(), q.z(), q.w()};
-  features->pose_error = errors[0];
-  if (errors.size() > 1) features->other_pose_error = errors[1];
-}
-
-}  // namespace
 
 const TagFeatures& TagExtractor::process(const ImageView& image, std::int64_t stamp_ns) {
   Work& w = *work_;

@@ -6,8 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "tags/tag_finder.hpp"
-
 namespace aras_visual_servo_camera {
 
 /** One tag in an image: the corners of its black square as one who reads the tag upright sees them, from the upper left

@@ -3,18 +3,13 @@
 #include <gtest/gtest.h>
 #include <yaml-cpp/yaml.h>
 
-#include "aras_visual_servo_camera/config/errors.hpp"
+#include "text_of.hpp"
 
 namespace aras_visual_servo_camera {
 namespace {
 
 std::string faultsOf(const std::string& yaml) {
-  try {
-    readVisionConfig(YAML::Load(yaml));
-  } catch (const ParameterError& error) {
-    return error.what();
-  }
-  return "";
+  return testing::textOf<ParameterError>([&] { readVisionConfig(YAML::Load(yaml)); });
 }
 
 /** A document with every key of the section, none as its default. */
@@ -31,126 +26,63 @@ const char kEveryKey[] =
     "depth: {window_px: 5}}, rays: true, depth: {window_px: 11, max_step: 0.1}, "
     "tag: {family: 25h9, id: 3, size_m: 0.12, min_side_px: 24}}";
 
-TEST(VisionConfig, ReadsEveryKey) {
+TEST(VisionConfig, ReadsKeysOfEachKindAtEachDepth) {
   const VisionConfig c = readVisionConfig(YAML::Load(kEveryKey));
   EXPECT_EQ(c.object, ObjectShade::kBright);
   EXPECT_EQ(c.segmentation, SegmentationMethod::kFixed);
-  EXPECT_EQ(c.threshold, 100.0);
-  EXPECT_EQ(c.object_grey.value(), 200.0);
-  EXPECT_EQ(c.background_grey.value(), 30.0);
-  EXPECT_EQ(c.min_contrast, 12.0);
-  EXPECT_EQ(c.adaptive_block_px, 51);
-  EXPECT_EQ(c.adaptive_offset, 7.0);
   EXPECT_EQ(c.component, ComponentChoice::kNearestToPrevious);
-  EXPECT_EQ(c.min_area_px, 9);
-  EXPECT_EQ(c.order, 5);
-  EXPECT_EQ(c.asymmetry_threshold, 0.1);
-  EXPECT_EQ(c.orientation_threshold, 0.2);
   EXPECT_EQ(c.points, PointSource::kBlobs);
-  EXPECT_EQ(c.point_count, 5);
+  EXPECT_EQ(c.object_grey.value(), 200.0);
+  EXPECT_EQ(c.order, 5);
   EXPECT_TRUE(c.rays);
-  EXPECT_EQ(c.depth.value().window_px, 11);
-  EXPECT_EQ(c.depth.value().max_step, 0.1);
-  EXPECT_EQ(c.matches.value().depth.value().window_px, 5);
-  EXPECT_EQ(c.kernel.value().p, 2.0);
   EXPECT_EQ(c.kernel.value().q, 3.0);
-  EXPECT_EQ(c.lost_area_px.value(), 4);
-  EXPECT_EQ(c.border_margin_px, 3);
-  EXPECT_EQ(c.switch_ratio, 1.5);
-  EXPECT_EQ(c.switch_images, 7);
+  EXPECT_EQ(c.matches.value().detector, KeypointDetector::kAkaze);
+  EXPECT_EQ(c.matches.value().depth.value().window_px, 5);
+  EXPECT_EQ(c.tag.value().family, "25h9");
   const PhotometricConfig& p = c.photometric.value();
   EXPECT_EQ(p.interaction, GradientOf::kCurrent);
   EXPECT_EQ(p.illumination, Illumination::kOffset);
-  EXPECT_EQ(p.levels, 2);
-  EXPECT_EQ(p.switch_px, 0.6);
-  EXPECT_EQ(p.smoothing_px, 1.5);
-  EXPECT_EQ(p.border_px, 11);
-  EXPECT_EQ(p.min_contrast, 4.0);
-  EXPECT_EQ(p.target_normal_C, Eigen::Vector3d(0.1, 0.2, 0.9));
   EXPECT_EQ(p.mapping, Mapping::kDct);
-  EXPECT_EQ(p.pca.components, 12);
-  EXPECT_EQ(p.pca.views, 50);
-  EXPECT_EQ(p.pca.spread, 0.2);
-  EXPECT_EQ(p.pca.seed, 5);
-  EXPECT_EQ(p.dct.coefficients, 20);
-  EXPECT_EQ(p.mixture.extension_px, 30.0);
+  EXPECT_EQ(p.target_normal_C, Eigen::Vector3d(0.1, 0.2, 0.9));
   EXPECT_EQ(p.mixture.final_extension_px, 3.0);
-  EXPECT_EQ(p.mutual_information.bins, 10);
-  const MatchingConfig& m = c.matches.value();
-  EXPECT_EQ(m.detector, KeypointDetector::kAkaze);
-  EXPECT_EQ(m.keypoints, 500);
-  EXPECT_EQ(m.ratio, 0.7);
-  EXPECT_EQ(m.inlier_px, 2.0);
-  EXPECT_EQ(m.min_matches, 9);
-  EXPECT_EQ(m.iterations, 300);
-  EXPECT_EQ(m.seed, 7);
-  const TagConfig& t = c.tag.value();
-  EXPECT_EQ(t.family, "25h9");
-  EXPECT_EQ(t.id, 3);
-  EXPECT_EQ(t.size_m.value(), 0.12);
-  EXPECT_EQ(t.min_side_px, 24.0);
 }
 
-TEST(VisionConfig, FaultsOfTheKernelAreListedWithTheOthers) {
-  EXPECT_FALSE(readVisionConfig(YAML::Load("{object: dark, segmentation: coverage}")).kernel.has_value());
-  const std::string faults = faultsOf("{object: dark, segmentation: coverage, order: 2, kernel: {p: 0, r: 1}}");
-  for (const char* part :
-       {"vision.order", "vision.kernel.p: found 0, allowed >= 0.01 and <= 8", "vision.kernel.r: found an unknown key"})
-    EXPECT_NE(faults.find(part), std::string::npos) << faults;
-}
-
-TEST(VisionConfig, PointsRequireTheirNumber) {
-  EXPECT_EQ(readVisionConfig(YAML::Load("{object: dark, segmentation: coverage}")).points, PointSource::kNone);
-  EXPECT_NE(faultsOf("{object: dark, segmentation: coverage, points: corners}").find("vision.point_count"),
-            std::string::npos);
-  EXPECT_NE(
-      faultsOf("{object: dark, segmentation: coverage, points: corners, point_count: 2}").find("found 2, allowed >= 3"),
-      std::string::npos);
-}
-
-TEST(VisionConfig, WhatOnlyGoesWithPointsIsRefusedWithoutThem) {
-  const std::string usual = "{object: dark, segmentation: coverage, ";
-  EXPECT_EQ(faultsOf(usual + "points: corners, point_count: 3, depth: {}}"), "");
-  EXPECT_EQ(faultsOf(usual + "depth: {}}"),
-            "vision.depth: found a section with points none, allowed with points corners or blobs");
-  EXPECT_EQ(faultsOf(usual + "points: blobs, point_count: 1, rays: true}"), "");
-  for (const char* points : {"none", "corners"})
-    EXPECT_EQ(faultsOf(usual + "points: " + points + ", point_count: 4, rays: true}"),
-              "vision.rays: found true, allowed false, or true with points blobs");
-}
-
-TEST(VisionConfig, WindowsOfDepthHaveAPixelInTheMiddle) {
-  EXPECT_EQ(faultsOf("{object: dark, segmentation: coverage, points: blobs, point_count: 1, depth: {window_px: 4}}"),
-            "vision.depth.window_px: found 4, allowed an odd number");
-}
-
-TEST(VisionConfig, GreysAreEstimatedUnlessGiven) {
+TEST(VisionConfig, WhatIsLeftOutIsNotMadeUp) {
   const VisionConfig c = readVisionConfig(YAML::Load("{object: dark, segmentation: coverage}"));
-  EXPECT_FALSE(c.object_grey.has_value());
-  EXPECT_FALSE(c.background_grey.has_value());
+  EXPECT_EQ(c.points, PointSource::kNone);
+  EXPECT_FALSE(c.kernel || c.object_grey || c.background_grey || c.photometric || c.matches || c.tag || c.depth);
 }
 
-TEST(VisionConfig, ObjectAndSegmentationAreRequired) {
-  const std::string faults = faultsOf("{order: 3}");
-  EXPECT_EQ(faults.find("threshold"), std::string::npos) << faults;  // only `fixed` asks for one
-  EXPECT_NE(faults.find("vision.object: found nothing"), std::string::npos) << faults;
-  EXPECT_NE(faults.find("vision.segmentation: found nothing"), std::string::npos) << faults;
-}
-
-TEST(VisionConfig, FixedSegmentationRequiresAThreshold) {
-  EXPECT_NE(faultsOf("{object: dark, segmentation: fixed}").find("vision.threshold"), std::string::npos);
-}
-
-TEST(VisionConfig, SomethingOtherThanAMappingIsRefused) {
-  EXPECT_EQ(faultsOf("[1, 2]"), "vision: found [1, 2], allowed a map");
-  EXPECT_NE(faultsOf("").find("vision.object: found nothing"), std::string::npos);
-}
-
-TEST(VisionConfig, AllFaultsAreListedAtOnce) {
-  const std::string faults = faultsOf("{object: green, segmentation: coverage, order: 2, min_area: 3}");
-  for (const char* part : {"vision.object: found green, allowed one of dark, bright", "vision.order: found 2",
-                           "vision.min_area: found an unknown key"})
-    EXPECT_NE(faults.find(part), std::string::npos) << faults;
+TEST(VisionConfig, FaultsOfSeveralKeysAreListedAtOnce) {
+  const std::string usual = "{object: dark, segmentation: coverage, ";
+  const std::pair<std::string, std::vector<std::string>> kCases[] = {
+      {usual + "order: 2, kernel: {p: 0, r: 1}}",
+       {"vision.order", "vision.kernel.p: found 0, allowed >= 0.01 and <= 8", "vision.kernel.r: found an unknown key"}},
+      {usual + "points: corners}", {"vision.point_count"}},
+      {usual + "points: corners, point_count: 2}", {"found 2, allowed >= 3"}},
+      {usual + "depth: {}}", {"vision.depth: found a section with points none, allowed with points corners or blobs"}},
+      {usual + "points: none, point_count: 4, rays: true}",
+       {"vision.rays: found true, allowed false, or true with points blobs"}},
+      {usual + "points: corners, point_count: 4, rays: true}",
+       {"vision.rays: found true, allowed false, or true with points blobs"}},
+      {usual + "points: blobs, point_count: 1, depth: {window_px: 4}}",
+       {"vision.depth.window_px: found 4, allowed an odd number"}},
+      {usual + "object_grey: 200, background_grey: 20}", {"object_grey"}},
+      {"{object: bright, segmentation: coverage, object_grey: 20, background_grey: 200}", {"object_grey"}},
+      {"{object: dark, segmentation: fixed}", {"vision.threshold"}},
+      {"{order: 3}", {"vision.object: found nothing", "vision.segmentation: found nothing"}},
+      {"", {"vision.object: found nothing"}},
+      {"[1, 2]", {"vision: found [1, 2], allowed a map"}},
+      {"{object: green, segmentation: coverage, order: 2, min_area: 3}",
+       {"vision.object: found green, allowed one of dark, bright", "vision.order: found 2",
+        "vision.min_area: found an unknown key"}}};
+  for (const auto& [document, parts] : kCases) {
+    const std::string faults = faultsOf(document);
+    for (const std::string& part : parts) EXPECT_NE(faults.find(part), std::string::npos) << document << faults;
+  }
+  EXPECT_EQ(faultsOf("{order: 3}").find("threshold"), std::string::npos) << "only `fixed` asks for one";
+  EXPECT_EQ(faultsOf(usual + "points: corners, point_count: 3, depth: {}}"), "");
+  EXPECT_EQ(faultsOf(usual + "points: blobs, point_count: 1, rays: true}"), "");
 }
 
 class BadValue : public ::testing::TestWithParam<std::pair<const char*, const char*>> {};
@@ -177,15 +109,6 @@ INSTANTIATE_TEST_SUITE_P(EachKey, BadValue,
                                            std::pair("order", "2"), std::pair("order", "9"), std::pair("order", "null"),
                                            std::pair("asymmetry_threshold", "-0.1"),
                                            std::pair("orientation_threshold", "1.5")));
-
-TEST(VisionConfig, GreysInTheWrongOrderForTheShadeAreRefused) {
-  EXPECT_NE(
-      faultsOf("{object: dark, segmentation: coverage, object_grey: 200, background_grey: 20}").find("object_grey"),
-      std::string::npos);
-  EXPECT_NE(
-      faultsOf("{object: bright, segmentation: coverage, object_grey: 20, background_grey: 200}").find("object_grey"),
-      std::string::npos);
-}
 
 }  // namespace
 }  // namespace aras_visual_servo_camera

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "aras_visual_servo_camera/config/errors.hpp"
+#include "text_of.hpp"
 
 namespace aras_visual_servo_camera {
 namespace {
@@ -95,12 +95,7 @@ TEST(CameraIntrinsics, PixelsBeyondTheFoldOfTheLensHaveNoRay) {
 
 std::string faultsOf(const std::array<double, 9>& K, const std::string& model, const std::vector<double>& D,
                      int width = 320, int height = 240) {
-  try {
-    CameraIntrinsics(width, height, K, model, D);
-  } catch (const ParameterError& error) {
-    return error.what();
-  }
-  return "";
+  return testing::textOf<ParameterError>([&] { CameraIntrinsics(width, height, K, model, D); });
 }
 
 TEST(CameraIntrinsics, UncalibratedCameraIsRefusedWithEveryFault) {
@@ -182,13 +177,9 @@ TEST(CameraInfo, IsReadFromAMapping) {
 }
 
 TEST(CameraInfo, MissingAndUnknownKeysAreAllListed) {
-  try {
-    readCameraInfo(YAML::Load("{width: 320, K: [1, 2], D: [], distortion_model: none, focal: 3}"));
-    FAIL() << "nothing thrown";
-  } catch (const ParameterError& error) {
-    for (const char* key : {"height", ".K", "focal"})
-      EXPECT_NE(std::string(error.what()).find(key), std::string::npos) << error.what();
-  }
+  const std::string faults = testing::textOf<ParameterError>(
+      [] { readCameraInfo(YAML::Load("{width: 320, K: [1, 2], D: [], distortion_model: none, focal: 3}")); });
+  for (const char* key : {"height", ".K", "focal"}) EXPECT_NE(faults.find(key), std::string::npos) << faults;
 }
 
 }  // namespace

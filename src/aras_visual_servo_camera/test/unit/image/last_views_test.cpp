@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "text_of.hpp"
+
 namespace aras_visual_servo_camera {
 namespace {
 
@@ -15,12 +17,7 @@ LastViews<int> filled(int images) {
 }
 
 std::string refusal(const LastViews<int>& views, std::int64_t stamp_ns) {
-  try {
-    views.at(stamp_ns);
-  } catch (const ParameterError& error) {
-    return error.what();
-  }
-  return "";
+  return testing::textOf<ParameterError>([&] { views.at(stamp_ns); });
 }
 
 TEST(LastViews, EveryOneOfTheLastIsFoundByItsStamp) {

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <limits>
 
-#include "aras_visual_servo_camera/config/errors.hpp"
 #include "aras_visual_servo_camera/matching/match_extractor.hpp"
 #include "board.hpp"
+#include "text_of.hpp"
 
 namespace aras_visual_servo_camera {
 namespace {
@@ -39,16 +39,6 @@ struct Depths {
 MatchExtractor extractor() {
   MatchingConfig config = readMatchingConfig(YAML::Load("{depth: {}}"));
   return MatchExtractor(testing::cameraOf(kWidth, kHeight), config);
-}
-
-template <class Act>
-std::string refusalOf(Act act) {
-  try {
-    act();
-  } catch (const DegenerateFeature& error) {
-    return error.what();
-  }
-  return "";
 }
 
 class MatchingInSpace : public ::testing::Test {
@@ -98,7 +88,8 @@ TEST_F(MatchingInSpace, ADepthImageFullOfHolesIsToldAndRefused) {
   EXPECT_FALSE(seen.valid || seen.target_visible);
   EXPECT_EQ(seen.fault, "the depth image has holes: of " + std::to_string(seen.keypoints) + " keypoints 0 " + why);
   EXPECT_EQ(seen.depth_fault, "");
-  const std::string refusal = refusalOf([&] { extractor_.setReference(kGoal.view(), 0.5, &holes.view); });
+  const std::string refusal =
+      testing::textOf<DegenerateFeature>([&] { extractor_.setReference(kGoal.view(), 0.5, &holes.view); });
   EXPECT_NE(refusal.find("matches reference: the depth image has holes"), std::string::npos) << refusal;
   EXPECT_FALSE(extractor_.process(kGoal.view(), kNoStamp, &whole_.view).has_reference);
 }
@@ -110,7 +101,8 @@ TEST_F(MatchingInSpace, AMissingDepthImageAndOneOfAnotherSizeAreToldAndRefused) 
     EXPECT_FALSE(seen.valid);
     EXPECT_EQ(seen.fault.find(why), 0u) << seen.fault;
     EXPECT_EQ(seen.depth_fault, seen.fault);
-    const std::string refusal = refusalOf([&] { extractor_.setReference(kGoal.view(), 0.5, depth); });
+    const std::string refusal =
+        testing::textOf<DegenerateFeature>([&] { extractor_.setReference(kGoal.view(), 0.5, depth); });
     EXPECT_EQ(refusal.find("matches reference: " + why), 0u) << refusal;
   };
   expectToldAndRefused(nullptr, "no depth image came with the image");

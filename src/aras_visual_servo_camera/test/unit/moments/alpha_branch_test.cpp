@@ -3,10 +3,10 @@
 
 #include <cmath>
 
-#include "aras_visual_servo_camera/config/errors.hpp"
 #include "aras_visual_servo_camera/moments/moment_features.hpp"
 #include "aras_visual_servo_camera/moments/moments.hpp"
 #include "polygon_moments.hpp"
+#include "text_of.hpp"
 
 namespace aras_visual_servo_camera {
 namespace {
@@ -112,12 +112,8 @@ TEST(MomentReference, NeedsMomentsToOrderThree) {
   FeatureBuilder b = builder();
   MomentFeatures f = b.build(kSeen, testing::polygonMoments(testing::triangle(0.2), 3));
   f.mu.resize(6);
-  try {
-    b.setReference(0.5, f);
-    FAIL() << "taken";
-  } catch (const ShapeError& error) {
-    EXPECT_STREQ(error.what(), "reference view: found 6 moments, allowed at least 10");
-  }
+  EXPECT_EQ(testing::textOf<ShapeError>([&] { b.setReference(0.5, f); }),
+            "reference view: found 6 moments, allowed at least 10");
 }
 
 TEST(MomentReference, OfAnInvalidViewIsRefusedWithTheReason) {
@@ -128,12 +124,7 @@ TEST(MomentReference, OfAnInvalidViewIsRefusedWithTheReason) {
     f.touches_border = cut;
     f.ambiguous = ambiguous;
     f.alpha = alpha;
-    try {
-      b.setReference(0.5, f);
-    } catch (const DegenerateFeature& error) {
-      return std::string(error.what());
-    }
-    return std::string();
+    return testing::textOf<DegenerateFeature>([&] { b.setReference(0.5, f); });
   };
   const double none = MomentFeatures::kNone;
   const auto text = [](const std::string& why) { return "reference view: " + why + ", allowed a valid view"; };

@@ -1,12 +1,10 @@
 #include <gtest/gtest.h>
-#include <yaml-cpp/yaml.h>
 
 #include <cmath>
 
-#include "aras_visual_servo_camera/config/errors.hpp"
-#include "aras_visual_servo_camera/config/vision_config.hpp"
 #include "aras_visual_servo_camera/photometric/photometric_extractor.hpp"
 #include "coverage_image.hpp"
+#include "text_of.hpp"
 #include "usual_vision.hpp"
 
 // Numbers are held against brute force by test_photometric.py; here what memory and sizes are about, under sanitizers
@@ -95,43 +93,16 @@ TEST(Photometric, AnotherCameraHasNoReference) {
   EXPECT_EQ(extractor.features().reference_hash, 0u);
 }
 
-template <class Act>
-std::string refusalOf(Act act) {
-  try {
-    act();
-  } catch (const ParameterError& error) {
-    return error.what();
-  }
-  return "";
-}
-
 TEST(Photometric, APlaneThatIsNotInFrontOfEveryPixelIsRefused) {
   PhotometricExtractor extractor(cameraOf(160, 120, false), testing::usualPhotometric());
   const GreyImage image = waves(160, 120, 0.0);
-  EXPECT_EQ(refusalOf([&] { extractor.setReference(image.view(), Plane{0.5, 0.5, 1.0}); }), "");
+  EXPECT_EQ(testing::textOf<ParameterError>([&] { extractor.setReference(image.view(), Plane{0.5, 0.5, 1.0}); }), "");
   for (const Plane& plane : {Plane{2.0, 0.0, 1.0}, Plane{-2.0, 0.0, 1.0}, Plane{0.0, 3.0, 1.0}, Plane{0.0, -3.0, 1.0},
                              Plane{0.0, 0.0, std::nan("")}, Plane{0.0, 0.0, INFINITY}})
-    EXPECT_EQ(refusalOf([&] { extractor.setReference(image.view(), plane); }),
+    EXPECT_EQ(testing::textOf<ParameterError>([&] { extractor.setReference(image.view(), plane); }),
               "photometric reference: found a plane that is not in front of every pixel, allowed 1/Z > 0")
         << plane.A << " " << plane.B << " " << plane.C;
   EXPECT_FALSE(extractor.process(image.view()).has_reference);
-}
-
-TEST(Photometric, VisionReadsItsSection) {
-  EXPECT_FALSE(readVisionConfig(YAML::Load("{object: dark, segmentation: otsu}")).photometric);
-  const VisionConfig config = readVisionConfig(
-      YAML::Load("{object: dark, segmentation: otsu, photometric: {interaction: current, illumination: "
-                 "offset, levels: 3, switch_px: 0.7, smoothing_px: 1.5, border_px: 4, min_contrast: 5, "
-                 "target_normal_C: [0.1, 0.2, 0.9]}}"));
-  ASSERT_TRUE(config.photometric);
-  EXPECT_EQ(config.photometric->interaction, GradientOf::kCurrent);
-  EXPECT_EQ(config.photometric->illumination, Illumination::kOffset);
-  EXPECT_EQ(config.photometric->levels, 3);
-  EXPECT_EQ(config.photometric->switch_px, 0.7);
-  EXPECT_EQ(config.photometric->smoothing_px, 1.5);
-  EXPECT_EQ(config.photometric->border_px, 4);
-  EXPECT_EQ(config.photometric->min_contrast, 5.0);
-  EXPECT_EQ(config.photometric->target_normal_C[1], 0.2);
 }
 
 }  // namespace

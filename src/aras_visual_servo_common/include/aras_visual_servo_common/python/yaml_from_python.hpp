@@ -6,7 +6,7 @@
 #include <string>
 
 #include "aras_visual_servo_common/errors.hpp"
-#include "aras_visual_servo_common/yaml_scalars.hpp"
+#include "aras_visual_servo_common/yaml_value.hpp"
 
 namespace aras_visual_servo_common {
 

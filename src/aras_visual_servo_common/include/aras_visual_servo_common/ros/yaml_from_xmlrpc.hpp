@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "aras_visual_servo_common/yaml_scalars.hpp"
+#include "aras_visual_servo_common/yaml_value.hpp"
 
 namespace aras_visual_servo_common {
 

@@ -1,6 +1,6 @@
 #include "aras_visual_servo_sim/config/section.hpp"
 
-#include <aras_visual_servo_common/yaml_scalars.hpp>
+#include <aras_visual_servo_common/yaml_value.hpp>
 #include <cmath>
 
 #include "aras_visual_servo_sim/config/errors.hpp"

@@ -10,7 +10,7 @@
 #include <aras_visual_servo_msgs/SpawnModel.h>
 
 #include <aras_visual_servo_common/files.hpp>
-#include <aras_visual_servo_common/yaml_scalars.hpp>
+#include <aras_visual_servo_common/yaml_value.hpp>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "aras_visual_servo_sim/scene/light_entry.hpp"

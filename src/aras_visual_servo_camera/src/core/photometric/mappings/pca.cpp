@@ -5,7 +5,6 @@
 #include <random>
 
 #include "aras_visual_servo_camera/config/errors.hpp"
-#include "photometric/column_sums.hpp"
 #include "photometric/mappings/mapping.hpp"
 
 namespace aras_visual_servo_camera {
