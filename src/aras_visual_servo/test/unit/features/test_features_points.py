@@ -133,7 +133,7 @@ def test_reference_keeps_its_points_through_a_round_trip():
     np.testing.assert_array_equal(again.view.point_y, goal.features.point_y)
     bad = Reference(np.zeros(2), view=goal.features).to_dict()
     bad["view"]["point_y"] = bad["view"]["point_y"][:-1]
-    with pytest.raises(ParameterError, match="reference/point_y: .*allowed 5"):
+    with pytest.raises(ParameterError, match="reference.view.point_y"):
         Reference.from_dict(bad)
 
 
