@@ -111,7 +111,7 @@ MeshPtr makeRoundBar(RoundShape::Kind kind, const std::string& name, double radi
     const std::uint32_t here = add(radius * out + low, normal, 0.25f - turn, 0.0f);
     add(end, normal, 0.25f - turn, 1.0f);
     add(radius * out + low, {0, 0, -1}, 0.5f - 0.5f * out.x(), 0.5f - 0.5f * out.y());
-    if (!cone) add(end, {0, 0, 1}, 0.5f + 0.5f * out.x(), 0.5f + 0.5f * out.y());
+    if (!cone) add(end, {0, 0, 1}, 0.5f + 0.5f * out.x(), 0.5f - 0.5f * out.y());
     if (i == segments) break;
     const std::uint32_t next = here + (cone ? 3 : 4);
     mesh->triangles.push_back({here, next, cone ? here + 1 : next + 1});
