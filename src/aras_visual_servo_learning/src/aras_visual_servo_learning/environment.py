@@ -100,7 +100,7 @@ class ServoEnv(gymnasium.Env, gymnasium.utils.EzPickle):  # type: ignore[name-de
               options: Optional[Dict[str, Any]] = None) -> Tuple[Any, Dict[str, Any]]:
         """Begins an episode.
 
-        Args: options: {"start": joint positions by name [m, rad]} in place of a drawn start; other joints are at the goal.
+        Args: options: {"start": joint positions by name [m, rad]}; joints without one are at the goal.
         Raises ParameterError: an unknown option or joint, or a position that is no finite number.
         """
         super().reset(seed=seed)

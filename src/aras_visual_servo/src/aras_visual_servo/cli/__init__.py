@@ -206,7 +206,7 @@ def parse_overrides(texts: Sequence[str]) -> Dict[str, Any]:
 
 def add_output(parser: argparse.ArgumentParser, below: str = "") -> None:
     """Adds --output and, where results go to DIR/`below`/NAME, --name."""
-    parser.add_argument("--output", default="results", type=os.path.expanduser, metavar="DIR",
+    parser.add_argument("--output", default="results", type=lambda text: os.path.expanduser(text), metavar="DIR",
                         help="folder under which result folders are made (default: results)")
     if below:
         parser.add_argument("--name", help=f"name of the folder DIR/{below}/NAME (default: the time)")

@@ -23,7 +23,7 @@ FIT_FLOOR_SHARES = 0.05, 0.002
 # ... and above this many times its stop threshold. Below that, the error is shaped by the pixels and not by the law.
 FIT_FLOOR_THRESHOLDS = 3.0
 FIT_MIN_ROWS = 8
-#: ... and only where ln |e| is straight within this part of its range: from the first image on, and from a later one on.
+#: ... and only where ln |e| is straight within this part of its range: from the first image, and from a later one on.
 FIT_BENT = 0.07, 0.02
 
 
@@ -153,9 +153,9 @@ def pose_error(X_WCg: np.ndarray, X_WC: np.ndarray) -> Dict[str, float]:
 def fit_decay(record: RunRecord) -> Dict[str, float]:
     """Fits the rates of the exponentials through |e|, by straight lines through ln |e| over the servo images [1/s].
 
-    A bounded law or a saturated joint does not decay exponentially at first. So a line is fitted through the last images
-    above the floor, as far back as ln |e| is straight within FIT_BENT of its range; where there is no such line, through
-    those above the lower floor.
+    A bounded law or a saturated joint does not decay exponentially at first. So a line is fitted through the last
+    images above the floor, as far back as ln |e| is straight within FIT_BENT of its range; where there is no such line,
+    through those above the lower floor.
 
     Returns:
         dict feature name -> rate. NaN where fewer than FIT_MIN_ROWS images stand above the floor, or |e| falls by less

@@ -7,7 +7,7 @@ figures and the reports read nothing else. It holds no wall time except `wall_s`
 from dataclasses import dataclass, field
 from functools import cached_property
 from operator import attrgetter
-from typing import Any, Mapping, Optional, Sequence
+from typing import Any, Dict, Mapping, Optional, Sequence
 
 import numpy as np
 
@@ -278,7 +278,9 @@ class RecordBuilder:
         stamp_ns, phase, status, status_text = list(zip(*self._rows[:count])) or [()] * 4
         if self._last_servo_image is not None:
             self._images["final"], self._last_servo_image = _copy(self._last_servo_image), None
-        tables = {name: self._table(column, shape, count) for column, (name, shape) in enumerate(self._shapes.items())}
+        tables: Dict[str, Any] = {name: self._table(column, shape, count)
+                                  for column, (name, shape) in enumerate(self._shapes.items())}
+        tables.update({f"{name}_image": self._images.get(name) for name in ("desired", "initial", "final")})
         if not self._moving:
             tables["target_poses"] = None
         return RunRecord(
@@ -287,7 +289,6 @@ class RecordBuilder:
             phase=np.array(phase, dtype=str), status=np.array(status, dtype=int),
             status_text=np.array(status_text, dtype=str), **tables,
             X_WT=None if X_WT is None else np.array(X_WT, dtype=float),
-            **{f"{name}_image": self._images.get(name) for name in ("desired", "initial", "final")},
             images=dict(self._all_images), camera_info=dict(camera_info or {}), run_hash=str(run_hash),
             real_time_factor=float(real_time_factor), wall_s=float(wall_s), opengl=str(opengl),
             recorded=dict(recorded or {}), notes=tuple(self._notes))

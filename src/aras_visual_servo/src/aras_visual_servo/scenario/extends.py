@@ -42,7 +42,8 @@ def _by_joint(cls, path):
             yield from _by_joint(key.type, (*path, key.name))
 
 
-_BY_JOINT = (("sim", "initial_positions"), *(path for name, section in {"servo": ServoSettings, **SECTIONS}.items()
+_SECTIONS: Dict[str, type] = {"servo": ServoSettings, **SECTIONS}
+_BY_JOINT = (("sim", "initial_positions"), *(path for name, section in _SECTIONS.items()
                                              for path in _by_joint(section, (name,))))
 _KEY = re.compile(r"[A-Za-z_]\w*(?:\.\w+)*")
 

@@ -84,13 +84,14 @@ class Scenario:
         """
         stay = np.clip(np.zeros(len(kinematics.joint_names)), kinematics.lower, kinematics.upper)
         goal = place_of(self.experiment["goal"], "experiment.goal", kinematics)
-        return kinematics.vector({**kinematics.by_name(stay), **self.sim.get("initial_positions", {}), **goal.joints})
+        return kinematics.vector({**kinematics.by_name(stay), **self.sim.get("initial_positions", {}),
+                                  **(goal.joints or {})})
 
     def start_posture(self, kinematics: RobotKinematics) -> np.ndarray:
         """Returns the joint positions at the start, (n,); a joint that the start does not name stays at the goal's."""
         goal = self.goal_posture(kinematics)
         start = place_of(self.experiment["start"], "experiment.start", kinematics, goal)
-        return kinematics.vector({**kinematics.by_name(goal), **start.joints})
+        return kinematics.vector({**kinematics.by_name(goal), **(start.joints or {})})
 
     def as_dict(self) -> Dict[str, Any]:
         """Returns a nested dict, as in the file; a deep copy."""

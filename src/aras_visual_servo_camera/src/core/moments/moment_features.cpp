@@ -17,13 +17,6 @@
 namespace aras_visual_servo_camera {
 namespace {
 
-/** A vpMomentObject whose moments are handed over: vpMomentObject::fromImage sums in an order that varies and assumes a
- *  constant pixel area. */
-struct HandedMomentObject : vpMomentObject {
-  explicit HandedMomentObject(int order) : vpMomentObject(static_cast<unsigned>(order)) { setType(DENSE_FULL_OBJECT); }
-  using vpMomentObject::set;
-};
-
 // Third-order moments whose direction agrees with the reference's, or with the opposite one, by less than this (cosine)
 // do not tell alpha from alpha + pi. A view that differs so much from the reference is treated like a symmetric one.
 constexpr double kMinAgreement = 0.1;
@@ -69,6 +62,15 @@ double dot(const ThirdMoments& a, const ThirdMoments& b) {
 
 /** ViSP's moments of one object, computed in the order of their dependencies (ViSP leaves that to the caller). */
 struct FeatureBuilder::VispMoments {
+  /** A vpMomentObject whose moments are handed over: vpMomentObject::fromImage sums in an order that varies and assumes
+   * a constant pixel area. */
+  struct HandedMomentObject : vpMomentObject {
+    explicit HandedMomentObject(int order) : vpMomentObject(static_cast<unsigned>(order)) {
+      setType(DENSE_FULL_OBJECT);
+    }
+    using vpMomentObject::set;
+  };
+
   explicit VispMoments(int order) : object(order), area(1.0, 1.0) {
     for (vpMoment* moment : std::initializer_list<vpMoment*>{&basic, &gravity, &centred, &area, &gravity_normalised})
       moment->linkTo(database);

@@ -154,8 +154,8 @@ def run_comparison(comparison: Comparison, workers: int = 1,
                 for process in pool._processes.values():  # nobody waits for what they are doing
                     process.kill()
                 raise
-    return [(task.name, law, *results[i]) for i, task in enumerate(comparison.tasks)
-            for law, results in zip(comparison.scenarios, found)]
+    return [(task.name, law, row, track) for i, task in enumerate(comparison.tasks)
+            for law, results in zip(comparison.scenarios, found) for row, track in [results[i]]]
 
 
 def _run_law(scenario, tasks):

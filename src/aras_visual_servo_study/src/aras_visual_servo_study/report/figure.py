@@ -7,7 +7,7 @@
 import contextlib
 import io
 from pathlib import Path
-from typing import List, Optional, Tuple
+from typing import Any, List, Optional, Tuple
 
 import matplotlib
 import numpy as np
@@ -130,7 +130,7 @@ def draw_panel(record: RunRecord, panel: str, axes: Axes, letter: str = "", titl
         axes.set_title((f"({letter}) " if letter else "") + panel_title(record, panel), pad=5.0,
                        y=None if panel == "path" else 1.0)
     if panel == "errors":
-        looks = [(style.colour, "-", style.mathtext) for style in styles(record.feature_names)]
+        looks: List[Any] = [(style.colour, "-", style.mathtext) for style in styles(record.feature_names)]
         _draw_curves(record, axes, record.e, looks, r"$\mathbf{e} = \mathbf{s} - \mathbf{s}^*$",
                      columns=2 if len(looks) <= 8 else 4)
     elif panel == "velocity":

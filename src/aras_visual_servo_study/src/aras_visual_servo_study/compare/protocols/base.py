@@ -118,11 +118,11 @@ def halton(count: int) -> np.ndarray:
 def success_map(rows: List[Dict[str, Any]], axes: Tuple[str, str],
                 edges: Sequence[np.ndarray]) -> Tuple[np.ndarray, np.ndarray]:
     """Returns (runs, successes) by cell of two columns of the rows, (nx, ny) each; `edges` are those of the cells."""
-    places = [np.clip(np.array([row[axis] for row in rows], dtype=float), edge[0], edge[-1])
-              for axis, edge in zip(axes, edges)]
-    won = [row["success"] == 1 for row in rows]
-    return (np.histogram2d(*places, bins=edges)[0].astype(int),
-            np.histogram2d(*places, bins=edges, weights=won)[0].astype(int))
+    x, y = (np.clip(np.array([row[axis] for row in rows], dtype=float), edge[0], edge[-1])
+            for axis, edge in zip(axes, edges))
+    won = np.array([row["success"] == 1 for row in rows], dtype=float)
+    return (np.histogram2d(x, y, bins=list(edges))[0].astype(int),
+            np.histogram2d(x, y, bins=list(edges), weights=won)[0].astype(int))
 
 
 def with_picture(scenario: Scenario, path: Path) -> Scenario:
