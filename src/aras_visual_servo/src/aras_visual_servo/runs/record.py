@@ -314,7 +314,7 @@ class RecordBuilder:
         true_m = plane_depth(tables["X_WC"][row], np.asarray(X_WT), *(seen if np.isfinite(seen).all() else (0.0, 0.0)))
         if not abs(z_star_m - true_m) > DEPTH_OFF * true_m:
             return []
-        return [f"teach: experiment.z_star_m: found {z_star_m:g} m, the target is {true_m:.4g} m away in the taught view"]
+        return [f"teach: experiment.z_star_m: found {z_star_m:g} m, the target is {true_m:.4g} m away in this view"]
 
     def _table(self, column, shape, count):
         """Values of a column of the first rows, (count, *shape), NaN where there are none."""
