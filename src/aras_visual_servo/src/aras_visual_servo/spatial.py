@@ -205,3 +205,14 @@ def pose_from_quaternion(position: Sequence[float], xyzw: Sequence[float]) -> np
 def _scipy_rotation():
     from scipy.spatial.transform import Rotation  # slow to import, and a servo without half turns never needs it
     return Rotation
+
+
+def plane_depth(X_WC: np.ndarray, X_WT: np.ndarray, x: float = 0.0, y: float = 0.0) -> float:
+    """Returns the depth [m] at which the ray (x, y, 1) of camera C meets the plane z = 0 of T, NaN where it does not.
+
+    Args: X_WC, X_WT: (4, 4).  x, y: normalised image coordinates; the optical axis unless given.
+    """
+    normal = X_WT[:3, 2]
+    along = float(normal @ X_WC[:3, :3] @ np.array([x, y, 1.0]))
+    depth = float(normal @ (X_WT[:3, 3] - X_WC[:3, 3])) / along if abs(along) > 1e-3 else 0.0
+    return depth if depth > 0.0 else np.nan

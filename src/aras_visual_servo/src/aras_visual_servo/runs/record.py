@@ -14,12 +14,16 @@ import numpy as np
 from ..ground.errors import ShapeError
 from ..ground.images import eight_bit
 from ..ground.types import FEATURE_NAMES, FINAL
+from ..spatial import plane_depth
 
 TWIST_NAMES = ("vx", "vy", "vz", "wx", "wy", "wz")
 RAW_NAMES = ("area", "xg", "yg", "alpha")
 
 # What the stop rule judges beside the feature errors, and the condition of the interaction matrix.
 STOP_NAMES = ("tilt_rad", "position_m", "rotation_rad", "cond_l")
+
+#: A depth that is off by more than this part of the true one is noted.
+DEPTH_OFF = 0.1
 
 _RAW = attrgetter(*RAW_NAMES)
 
@@ -283,6 +287,7 @@ class RecordBuilder:
         tables.update({f"{name}_image": self._images.get(name) for name in ("desired", "initial", "final")})
         if not self._moving:
             tables["target_poses"] = None
+        self._notes += self._depth_notes(tables, list(phase), X_WT)
         return RunRecord(
             scenario=self.scenario, settings=self.settings, joint_names=self.joint_names,
             feature_names=self.feature_names, stamp_ns=np.array(stamp_ns, dtype=np.int64),
@@ -292,6 +297,25 @@ class RecordBuilder:
             images=dict(self._all_images), camera_info=dict(camera_info or {}), run_hash=str(run_hash),
             real_time_factor=float(real_time_factor), wall_s=float(wall_s), opengl=str(opengl),
             recorded=dict(recorded or {}), notes=tuple(self._notes))
+
+    def _depth_notes(self, tables, phase, X_WT):
+        """[text] if experiment.z_star_m contradicts the true depth of the target in the taught view, else [].
+
+        Where depth images tell the depth, z_star_m is not used.
+        """
+        z_star_m, vision = (self.settings.get(name, {}) for name in ("experiment", "vision"))
+        z_star_m = z_star_m.get("z_star_m")
+        if "teach" not in phase or not z_star_m or "depth" in vision or "depth" in vision.get("matches", {}):
+            return []
+        row = phase.index("teach")
+        X_WT = X_WT if tables["target_poses"] is None else tables["target_poses"][row]
+        if X_WT is None:
+            return []
+        seen = tables["raw"][row, 1:3]
+        true_m = plane_depth(tables["X_WC"][row], np.asarray(X_WT), *(seen if np.isfinite(seen).all() else (0.0, 0.0)))
+        if not abs(z_star_m - true_m) > DEPTH_OFF * true_m:
+            return []
+        return [f"teach: experiment.z_star_m: found {z_star_m:g} m, the target is {true_m:.4g} m away in this view"]
 
     def _table(self, column, shape, count):
         """Values of a column of the first rows, (count, *shape), NaN where there are none."""

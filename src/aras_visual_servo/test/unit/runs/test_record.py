@@ -10,7 +10,7 @@ from synthetic import blob, IMAGE_PERIOD_NS, make_record
 from aras_visual_servo import Features, measures, MEASURES, Outline, RecordBuilder, ServoRecord, ShapeError, Status
 from aras_visual_servo.runs.measures import distance_from_segment
 from aras_visual_servo.runs.teaching import FEW, Teaching
-from aras_visual_servo.spatial import rotation
+from aras_visual_servo.spatial import plane_depth, rotation
 
 
 def builder():
@@ -43,6 +43,31 @@ def test_joints_of_an_answer_are_matched_by_name():
     record = b.finish()
     assert record.q.tolist() == [[1.0, 2.0]] and np.isnan(record.set_point).all()
     assert record.raw.tolist() == [[0.5, 0.1, 0.2, 0.3]]
+
+
+@pytest.mark.parametrize("z_star_m, moves, said", [
+    (0.6, False, False), (0.65, False, False), (0.55, False, False), (0.67, False, True), (0.5, False, True),
+    (0.6, True, True), (1.2, True, False)])
+def test_a_depth_that_contradicts_the_true_one_is_noted(z_star_m, moves, said):
+    """The camera looks down from 0.6 m; a target that moves was 0.6 m lower when it was taught."""
+    X_WC, X_WT, lower = np.diag([1.0, -1.0, -1.0, 1.0]), np.eye(4), np.eye(4)
+    X_WC[2, 3], lower[2, 3] = 0.6, -0.6
+    b = RecordBuilder("test", ("J1", "J2"), settings={"experiment": {"z_star_m": z_star_m}})
+    for phase, pose in (("to_goal", X_WT), ("teach", lower), ("servo", X_WT)):
+        b.add_answer(ServoRecord(1, Status.SERVOING, phase=phase), X_WC=X_WC, X_WT=pose if moves else None)
+    notes = b.finish(X_WT=X_WT).notes
+    assert [note for note in notes if "z_star_m" in note and f"{z_star_m:g}" in note] == list(notes)
+    assert len(notes) == said
+
+
+def test_the_depth_is_that_of_the_plane_where_the_target_is_seen():
+    """A plane tilted by 45 degrees, 1 m away on the axis, and a target to the side of it."""
+    half = np.sqrt(0.5)
+    X_CT = np.array([[half, 0.0, half, 0.0], [0.0, 1.0, 0.0, 0.0], [-half, 0.0, half, 1.0], [0.0, 0.0, 0.0, 1.0]])
+    assert plane_depth(np.eye(4), X_CT) == pytest.approx(1.0)
+    assert plane_depth(np.eye(4), X_CT, 0.25) == pytest.approx(0.8)
+    assert np.isnan(plane_depth(np.eye(4), X_CT, -1.0))
+    assert np.isnan(plane_depth(np.eye(4), X_CT, -2.0))
 
 
 def test_images_kept_are_the_taught_the_first_and_the_last_of_the_servo_phase():

@@ -13,6 +13,7 @@ import traceback
 import warnings
 from typing import Any, Callable
 
+import numpy as np
 import rospy
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
@@ -46,7 +47,7 @@ class ControllerNode:
         self._read_parameters()
         self._pairer = StampPairer()
         self._joints = convert.JointReader(self._kinematics.joint_names)
-        self._preempted = False
+        self._preempted, self._lacking = False, ""  # why no joint state can be paired, where that is known
         self._pause_after_ns = 0  # after the end of the goal; 0: the simulator goes on
         self._frame_id = ""
         self._feedback_wall_s = self._status_wall_s = time.monotonic()
@@ -116,10 +117,23 @@ class ControllerNode:
     def _on_joints(self, message):
         with self._lock:
             stamp_ns = message.stamp_ns
-            self._answer_all(stamp_ns, self._pairer.add_joints(stamp_ns, message))
+            joints = message if self._joints.is_whole(message) else self._merged(message)
+            if joints is None:
+                return
+            self._lacking = ""
+            self._answer_all(stamp_ns, self._pairer.add_joints(stamp_ns, joints))
             if self._float_publishers:
                 for joint, set_point in self._integrator.advance(stamp_ns).items():
                     self._float_publishers[joint].publish(set_point)
+
+    def _merged(self, message):
+        """(n,) positions of this stamp, from this message and others; None while some have yet to come."""
+        try:
+            return self._joints.merged(message.unpack(), 0.0)
+        except ArasError as error:
+            self._lacking = f"; {error}"
+            rospy.logwarn_throttle(1.0, "%s", error)
+            return None
 
     def _on_features(self, message):
         with self._lock:
@@ -169,7 +183,9 @@ class ControllerNode:
 
     def _seen(self, features, joints):
         """(features, (n,) joint positions or None, why the image must not be used or "") of an image."""
-        return features, None if joints is None else self._joints.positions(joints.unpack()), ""
+        if joints is not None and not isinstance(joints, np.ndarray):
+            joints = self._joints.positions(joints.unpack())
+        return features, joints, ""
 
     def _pause_simulator(self, stamp_ns):
         """Where the goal asked for it, tell the simulator when to pause; in lockstep it waits for our command now."""
@@ -353,6 +369,7 @@ class ControllerNode:
         if answer is None:
             return
         command, record = answer
+        record.status_text += self._lacking
         if command is not None:
             self._send(command)
         if not was_stale:

@@ -1,9 +1,10 @@
 """Conversions between the core's data and ROS messages. Times are integer nanoseconds, joints are matched by name."""
 
+import io
 import math
 import struct
 import time
-from typing import Any, Sequence
+from typing import Any, Optional, Sequence
 
 import numpy as np
 import roslib.message
@@ -16,6 +17,9 @@ from aras_visual_servo_msgs.msg import ServoState, VisualServoActionGoal
 
 _SEQ_SECS_NSECS = struct.Struct("<3I")
 _NS_PER_S = 1_000_000_000
+_THREE_EMPTY_ARRAYS = 12  # bytes at the end of a JointState without positions, velocities and efforts
+#: Joints that have been missing for so long are named.
+MISSING_NS = _NS_PER_S
 
 
 def stamp_ns(header: Any) -> int:
@@ -58,17 +62,78 @@ class LazyJointState(JointState):
         _, secs, nsecs = _SEQ_SECS_NSECS.unpack_from(self._data)
         return secs * _NS_PER_S + nsecs
 
+    def begins_with(self, beginning: bytes) -> bool:
+        """Whether frame and joint names, which follow the stamp, are these."""
+        return self._data.startswith(beginning, _SEQ_SECS_NSECS.size)
+
+    def beginning(self) -> bytes:
+        """Frame and joint names, as `begins_with` takes them."""
+        message, buffer = self.unpack(), io.BytesIO()
+        JointState(header=message.header, name=message.name).serialize(buffer)
+        return buffer.getvalue()[_SEQ_SECS_NSECS.size:-_THREE_EMPTY_ARRAYS]
+
     def unpack(self) -> JointState:
         """The whole message as a JointState."""
         return JointState().deserialize(self._data)
 
 
 class JointReader:
-    """Takes joint vectors in a fixed order out of JointState messages, whatever the order in the message."""
+    """Takes joint vectors in a fixed order out of JointState messages, whatever the order in the message.
+
+    Drivers of a linear axis and an arm send messages of their own. `merged` makes whole joint vectors of them.
+    """
 
     def __init__(self, joint_names: Sequence[str]) -> None:
         self._names = tuple(joint_names)
         self._order = {}
+        self._whole = b"no message begins so"
+        self._forget()
+
+    def _forget(self):
+        self._parts, self._met_ns, self._newest_ns = {}, None, -1
+
+    def is_whole(self, message: LazyJointState) -> bool:
+        """Whether a message names all joints. One that begins like the last whole one is not unpacked for that."""
+        if not message.begins_with(self._whole):
+            if not set(self._names) <= set(message.unpack().name):
+                return False
+            self._whole = message.beginning()
+        return True
+
+    def known_positions(self, message: Any) -> Optional[np.ndarray]:
+        """(n,) positions, NaN for joints that the message does not name; None if it names none of them.
+
+        Raises ShapeError: the message has another number of positions than of names.
+        """
+        index = {name: k for k, name in reversed(list(enumerate(message.name)))}
+        if index.keys().isdisjoint(self._names):
+            return None  # another part of the robot: a gripper, a base
+        _check_positions(message)
+        return np.array([message.position[index[name]] if name in index else math.nan for name in self._names])
+
+    def merged(self, message: Any, apart_s: float) -> Optional[np.ndarray]:
+        """(n,) positions, by name from this message and those before; None while others have yet to come.
+
+        Args: apart_s: what is older than this message by more than this time counts as missing.
+        Raises: ShapeError: joints have been missing for MISSING_NS, or the array has another length than names.
+        """
+        at_ns, q = stamp_ns(message.header), self.known_positions(message)
+        if q is None:
+            return None
+        if at_ns < self._newest_ns - MISSING_NS:  # time was set back
+            self._forget()
+        self._newest_ns = max(at_ns, self._newest_ns)
+        self._met_ns = at_ns if self._met_ns is None else self._met_ns
+        self._parts.update((name, (at_ns, value)) for name, value in zip(self._names, q) if name in message.name)
+        missing = [name for name in self._names if name not in self._parts
+                   or abs(at_ns - self._parts[name][0]) > round(apart_s * 1e9)]
+        if not missing:
+            self._met_ns = at_ns
+            return np.array([self._parts[name][1] for name in self._names])
+        if at_ns - self._met_ns > MISSING_NS:
+            raise ShapeError(f"joint_states: found {', '.join(message.name)}, missing {', '.join(missing)}"
+                             + (f" within {apart_s:g} s" if apart_s else " of the same stamp"))
+        return None
 
     def positions(self, message: Any) -> np.ndarray:
         """(n,) positions [m or rad]. Raises ShapeError: a joint is missing, or the array has another length than names.
@@ -81,9 +146,13 @@ class JointReader:
                 raise ShapeError(f"joint_states: found {', '.join(key) or 'no joint'}, missing {', '.join(missing)}")
             self._order = {key: [key.index(name) for name in self._names]}
             order = self._order[key]
-        if len(message.position) != len(key):
-            raise ShapeError(f"joint_states: found {len(message.position)} positions, allowed {len(key)}")
+        _check_positions(message)
         return np.array([message.position[index] for index in order])
+
+
+def _check_positions(message):
+    if len(message.position) != len(message.name):
+        raise ShapeError(f"joint_states: found {len(message.position)} positions, allowed {len(message.name)}")
 
 
 def command_message(command: Command) -> JointState:

@@ -58,10 +58,9 @@ class RealControllerNode(ControllerNode):
         with self._lock:
             try:
                 message = message.unpack()
-                if not set(self._kinematics.joint_names) <= set(message.name):
-                    return  # of another part of the robot: a gripper, a base
-                self._link.joints(convert.stamp_ns(message.header), self._joints.positions(message), convert.now_ns())
-                self._answer_ready()
+                q = self._joints.known_positions(message)
+                if q is not None and self._link.joints(convert.stamp_ns(message.header), q, convert.now_ns()):
+                    self._answer_ready()
             except ArasError as error:
                 rospy.logwarn_throttle(1.0, "%s", error)
 

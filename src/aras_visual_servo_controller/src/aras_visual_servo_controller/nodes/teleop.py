@@ -4,7 +4,7 @@ import sys
 import threading
 import time
 
-
+import numpy as np
 import rospy
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
@@ -15,6 +15,7 @@ from . import conversions as convert
 from .parameters import Parameters
 
 READ_S = 0.05  # wall time of one look at the keyboard
+APART_S = 0.1  # ROS time between joint states of several messages that make one
 EXIT_STOPPED, EXIT_PARAMETERS = 0, 2
 
 
@@ -39,6 +40,7 @@ class TeleopNode:
         self.teleop = Teleop(kinematics, *speeds)
         self.lock = threading.Lock()
         self._names, self._moving = kinematics.joint_names, False
+        self._rest = np.zeros(len(self._names))
         self._joints = convert.JointReader(kinematics.joint_names)
         self._command = rospy.Publisher("joint_command", JointState, queue_size=1, tcp_nodelay=True)
         self._stop = rospy.ServiceProxy("stop", Trigger)
@@ -47,10 +49,11 @@ class TeleopNode:
     def _on_joints(self, message):
         with self.lock:
             try:
-                velocity = self.teleop.velocity(self._joints.positions(message), time.monotonic())
+                q = self._joints.merged(message, APART_S)
             except ArasError as error:
-                rospy.logwarn_throttle(5.0, "teleop: no command was sent: %s", error)
-                return
+                rospy.logwarn_throttle(5.0, "teleop: the arm rests: %s", error)
+                q = None
+            velocity = self._rest if q is None else self.teleop.velocity(q, time.monotonic())
             moves = bool(velocity.any())
             if moves and not self._moving:
                 self._take_over()

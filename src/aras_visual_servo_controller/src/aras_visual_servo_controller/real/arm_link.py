@@ -87,8 +87,9 @@ class ArmLink:
         self._command_timeout_ns = round(command_timeout_s * 1e9)
         self._image_delay_ns = round(settings.image_delay_s * 1e9)
         self._period_s = settings.command_period_s
-        self._history = JointHistory(settings.max_joint_gap_s, settings.max_extrapolation_s)
-        self._watchdog, self._guard = Watchdog(settings), MotionGuard(kinematics, settings)
+        names = kinematics.joint_names
+        self._history = JointHistory(names, settings.max_joint_gap_s, settings.max_extrapolation_s)
+        self._watchdog, self._guard = Watchdog(settings, names), MotionGuard(kinematics, settings)
         self.image_latency, self.joint_latency = Latency(), Latency()
         self._zeros = np.zeros(len(kinematics.joint_names))
         self.clear()
@@ -105,15 +106,16 @@ class ArmLink:
     # --- what comes ---------------------------------------------------------------------------------------------
 
     def joints(self, stamp_ns: int, q: np.ndarray, now_ns: int) -> bool:
-        """A joint state, (n,) [m, rad]. One that is not finite is not taken, so that the arm rests when no other comes.
+        """A joint state, (n,) [m, rad], with NaN for joints that the message does not name.
 
-        Returns: whether it was taken.
+        A position that is not finite is not taken, so that the arm rests when no other comes for its joint.
+        Returns: whether a position was taken.
         """
-        if not np.isfinite(q).all() or not self._history.add(stamp_ns, q):
-            return False
-        self.joint_latency.add(1e-9 * (now_ns - stamp_ns))
-        self._watchdog.joints(stamp_ns, now_ns)
-        return True
+        taken = self._history.add(stamp_ns, q)
+        if taken:
+            self.joint_latency.add(1e-9 * (now_ns - stamp_ns))
+            self._watchdog.joints(taken, stamp_ns, now_ns)
+        return bool(taken)
 
     def image(self, stamp_ns: int, features: Any, now_ns: int) -> None:
         """The features of an image."""

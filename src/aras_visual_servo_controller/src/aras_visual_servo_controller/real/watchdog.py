@@ -1,6 +1,7 @@
 """Says when an arm must rest: joint states that stop, a dead-man's switch that is let go, clocks that jump."""
 
-from typing import NamedTuple, Optional
+from typing import Iterable, NamedTuple, Optional, Sequence
+
 from aras_visual_servo import RealSettings
 
 
@@ -19,12 +20,12 @@ class Unfit(NamedTuple):
 class Watchdog:
     """Looks at every command period. Times are ROS time [ns].
 
-    Args: settings: `RealSettings`.
+    Args: settings: `RealSettings`.  joint_names: of the joints that have to be heard.
     Attributes: held: the dead-man's switch was held when it was heard last.
     """
 
-    def __init__(self, settings: RealSettings) -> None:
-        self._settings = settings
+    def __init__(self, settings: RealSettings, joint_names: Sequence[str]) -> None:
+        self._settings, self._names = settings, tuple(joint_names)
         self._joint_timeout_ns = round(settings.joint_timeout_s * 1e9)
         self._deadman_timeout_ns = round(settings.deadman_timeout_s * 1e9)
         self._jump_ns = round(settings.clock_jump_s * 1e9)
@@ -33,11 +34,11 @@ class Watchdog:
     def clear(self) -> None:
         """Forget all: nothing has come yet."""
         self.held = False
-        self._joints_ns = self._deadman_ns = self._looked_ns = None
+        self._joints_ns, self._deadman_ns, self._looked_ns = {}, None, None
 
-    def joints(self, stamp_ns: int, now_ns: int) -> None:
-        """A joint state of this stamp came now. An old one that comes late is an old one."""
-        self._joints_ns = min(stamp_ns, now_ns)
+    def joints(self, names: Iterable[str], stamp_ns: int, now_ns: int) -> None:
+        """A joint state of these joints and this stamp came now. An old one that comes late is an old one."""
+        self._joints_ns.update(dict.fromkeys(names, min(stamp_ns, now_ns)))
 
     def deadman(self, held: bool, now_ns: int) -> None:
         """The dead-man's switch said whether it is held."""
@@ -48,7 +49,7 @@ class Watchdog:
         settings, before_ns, self._looked_ns = self._settings, self._looked_ns, now_ns
         if before_ns is not None and not 0 <= now_ns - before_ns <= self._jump_ns:
             step_s = 1e-9 * (now_ns - before_ns)
-            self._joints_ns = self._deadman_ns = None  # what was heard before has no age in the new time
+            self._joints_ns, self._deadman_ns = {}, None  # what was heard before has no age in the new time
             return Unfit(f"the clock jumped by {step_s:.3f} s, allowed 0 to {settings.clock_jump_s:g} s", True,
                          True)
         return self.state(now_ns)
@@ -64,9 +65,16 @@ class Watchdog:
             if now_ns - self._deadman_ns > self._deadman_timeout_ns:
                 return Unfit(f"nothing on the topic `deadman` for {1e-9 * (now_ns - self._deadman_ns):.3f} s, allowed "
                              f"{settings.deadman_timeout_s:g} s", True)
-        if self._joints_ns is None:
-            return Unfit("no joint state has come", False)
-        if now_ns - self._joints_ns > self._joint_timeout_ns:
-            return Unfit(f"no joint state for {1e-9 * (now_ns - self._joints_ns):.3f} s, allowed "
-                         f"{settings.joint_timeout_s:g} s", False)
+        missing = [name for name in self._names if name not in self._joints_ns]
+        if missing:
+            return Unfit(f"no joint state{self._of(missing)} has come", False)
+        old = [name for name, heard_ns in self._joints_ns.items() if now_ns - heard_ns > self._joint_timeout_ns]
+        if old:
+            age_s = 1e-9 * (now_ns - min(self._joints_ns.values()))
+            return Unfit(f"no joint state{self._of(old)} for {age_s:.3f} s, allowed {settings.joint_timeout_s:g} s",
+                         False)
         return None
+
+    def _of(self, names):
+        """" of A, B", or "" where these are all joints."""
+        return "" if len(names) == len(self._names) else f" of {', '.join(names)}"

@@ -3,9 +3,11 @@
 thins out joint states, delays and loses images under the names of a USB camera's driver, and plays the arm's driver,
 which takes position, velocity or trajectory set-points and passes one on every few milliseconds. Seeded.
 
-Parameters: ~joint_rate_hz, ~seed, ~command (trajectory, position, velocity), ~lost, ~image_late_s [least, most].
-Topic ~fault (std_msgs/String): "joints" or "images" stop coming, "" mends it.
+Parameters: ~joint_rate_hz, ~seed, ~command (trajectory, position, velocity), ~lost, ~image_late_s [least, most],
+~axis (a joint whose driver sends joint states of its own).
+Topic ~fault (std_msgs/String): "joints", "axis" or "images" stop coming, "" mends it.
 """
+import functools
 import heapq
 import sys
 import threading
@@ -14,7 +16,7 @@ import numpy as np
 import rospy
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import CameraInfo, Image, JointState
-from std_msgs.msg import Float64MultiArray, String
+from std_msgs.msg import Float64MultiArray, Header, String
 from trajectory_msgs.msg import JointTrajectory
 
 PERIOD_S = 0.008
@@ -28,7 +30,7 @@ class RoughPlant:
         self._random = np.random.default_rng(rospy.get_param("~seed", 1))
         self._joint_period_s = 1.0 / rospy.get_param("~joint_rate_hz", 500.0)
         self._lost, self._late_s = rospy.get_param("~lost", 0.1), rospy.get_param("~image_late_s", [0.02, 0.15])
-        self._command = rospy.get_param("~command", "trajectory")
+        self._command, self._axis = rospy.get_param("~command", "trajectory"), rospy.get_param("~axis", "")
         self._mail, self._number, self._last_s = [], 0, {}
         self._joints_s = self._tick_s = self._now_s = 0.0
         self._names, self._at, self._goal, self._infos, self._fault = [], {}, None, {}, ""
@@ -64,8 +66,14 @@ class RoughPlant:
             if now_s - self._joints_s < self._joint_period_s - 1e-6 or self._fault == "joints":
                 return
             self._joints_s = now_s
-            message.header.stamp = self._jittered(message.header.stamp, JOINT_JITTER_S)
-            self._post("joints", JOINT_LATE_S, lambda: self._joints.publish(message))
+            axis = [k for k, name in enumerate(message.name) if name == self._axis]
+            arm = [k for k in range(len(message.name)) if k not in axis]
+            for kind, part in (("joints", arm), ("axis", axis)):
+                if part and self._fault != kind:
+                    stamp = self._jittered(message.header.stamp, JOINT_JITTER_S)
+                    name, position = ([values[k] for k in part] for values in (message.name, message.position))
+                    told = JointState(header=Header(stamp=stamp), name=name, position=position)
+                    self._post(kind, JOINT_LATE_S, functools.partial(self._joints.publish, told))
 
     def _on_info(self, message):
         with self._lock:

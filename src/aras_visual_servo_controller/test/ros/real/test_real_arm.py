@@ -125,7 +125,10 @@ class RealArm(unittest.TestCase):
         self.assertIn("nothing on the topic `deadman`", self.watcher.wait_result(goal, LIMIT_S).result.reason)
 
     def test_4_joint_states_or_images_that_stop_stop_the_arm_until_they_come(self):
-        for fault, timeout_s, text in (("joints", 0.4, "no joint state"), ("images", 0.65, "no features")):
+        faults = [("joints", 0.4, "no joint state"), ("images", 0.65, "no features")]
+        if rospy.get_param("/rough_plant/axis"):
+            faults.append(("axis", 0.4, "gantry for"))
+        for fault, timeout_s, text in faults:
             goal = self.begin()
             self.states.clear()
             self.fault.publish(fault)

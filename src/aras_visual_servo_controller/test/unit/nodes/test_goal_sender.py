@@ -1,8 +1,10 @@
 """Parts of the nodes without ROS: goals, joint states, the launch file, the end of an experiment."""
 
+import io
 import pathlib
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 import roslaunch.config
 import roslaunch.xmlloader
@@ -13,7 +15,7 @@ from sensor_msgs.msg import JointState
 from aras_visual_servo import ShapeError
 from aras_visual_servo_controller.nodes import experiment
 from aras_visual_servo_controller.nodes.calls import AGAIN_S, GoalSender
-from aras_visual_servo_controller.nodes.conversions import JointReader
+from aras_visual_servo_controller.nodes.conversions import JointReader, LazyJointState
 from aras_visual_servo_controller.nodes.experiment import CLOSING_S, ExperimentNode
 
 
@@ -78,6 +80,53 @@ def test_positions_are_those_of_the_names_or_refused(messages):
         else:
             with pytest.raises(ShapeError, match="joint_states: found .*(missing|allowed)"):
                 reader.positions(message)
+
+
+def part(stamp_ms, **positions):
+    message = JointState(name=list(positions), position=list(positions.values()))
+    message.header.stamp.secs, message.header.stamp.nsecs = divmod(stamp_ms * 1_000_000, 1_000_000_000)
+    return message
+
+
+def test_joint_states_of_one_stamp_are_merged_by_name():
+    reader = JointReader(["a", "b", "c"])
+    assert reader.merged(part(10, b=2.0, other=9.0), 0.0) is None
+    assert reader.merged(part(10, other=9.0), 0.0) is None
+    assert reader.merged(part(10, c=3.0, a=1.0), 0.0).tolist() == [1.0, 2.0, 3.0]
+    assert reader.merged(part(20, c=3.0, a=1.5), 0.0) is None  # b is of another stamp
+    assert reader.merged(part(20, b=2.5), 0.0).tolist() == [1.5, 2.5, 3.0]
+    assert reader.merged(part(5, b=2.0, c=3.0, a=1.0), 0.0).tolist() == [1.0, 2.0, 3.0]
+
+
+def test_parts_that_are_too_far_apart_are_not_merged_and_the_missing_joint_is_named():
+    reader = JointReader(["a", "b"])
+    assert reader.merged(part(1000, a=1.0), 0.1) is None
+    assert reader.merged(part(1099, b=2.0), 0.1).tolist() == [1.0, 2.0]
+    assert reader.merged(part(1201, a=3.0), 0.1) is None
+    with pytest.raises(ShapeError, match="found a, missing b"):
+        reader.merged(part(2100, a=3.0), 0.1)
+    assert np.isnan(reader.merged(part(2101, b=np.nan), 0.1)).tolist() == [False, True]
+
+
+def test_time_that_goes_back_begins_anew():
+    reader = JointReader(["a", "b"])
+    reader.merged(part(90_000, a=1.0), 0.1), reader.merged(part(90_000, b=1.0), 0.1)
+    assert reader.merged(part(10, a=3.0), 0.1) is None
+    assert reader.merged(part(20, b=4.0), 0.1).tolist() == [3.0, 4.0]
+
+
+def lazy(message):
+    buffer = io.BytesIO()
+    message.serialize(buffer)
+    return LazyJointState().deserialize(buffer.getvalue())
+
+
+def test_a_message_that_names_all_joints_is_whole_whatever_came_before():
+    reader = JointReader(["a", "b"])
+    for message, whole in ((part(10, a=1.0), False), (part(10, b=1.0, a=2.0), True), (part(20, b=3.0, a=4.0), True),
+                           (part(20, a=1.0), False), (part(30, b=1.0, c=2.0, a=3.0), True), (part(30, b=1.0), False),
+                           (part(40, b=1.0, a=2.0), True)):
+        assert reader.is_whole(lazy(message)) == whole, message
 
 
 LAUNCH = pathlib.Path(__file__).resolve().parents[3] / "launch" / "servo.launch"

@@ -128,6 +128,28 @@ def test_joint_states_that_are_old_or_not_finite_count_as_none():
     assert still(bench.ticks[-1])
 
 
+def test_the_joint_whose_states_stop_is_named_while_others_come():
+    """The linear axis has a driver of its own. It stops, and the arm's goes on."""
+    bench = Bench()
+    bench.joints_come = False
+    axis = np.array([name == "gantry" for name in NAMES])
+
+    def hear(*parts):
+        for part in parts:
+            assert bench.link.joints(bench.now_ns + 8 * MS, np.where(part, bench.q, np.nan), bench.now_ns + 8 * MS)
+        return bench.run()
+
+    reason = hear(~axis).unfit.reason
+    assert "gantry" in reason and "J1" not in reason
+    assert hear(axis, ~axis).unfit is None
+    bench.move()
+    assert not still(hear(axis, ~axis))
+    for _ in range(13):
+        bench.move()
+        tick = hear(~axis)
+    assert still(tick) and not tick.unfit.ends and "gantry for 0.104 s" in tick.unfit.reason
+
+
 @pytest.mark.parametrize("step_ms", [-50, 300])
 def test_a_clock_that_jumps_stops_the_arm_at_once(step_ms):
     bench = moving()

@@ -16,7 +16,7 @@ ROUNDING = 1e-12
 
 def history(*stamps_ms, speed=2.0):
     """Two joints that move along straight lines, seen at these times."""
-    found = JointHistory(max_gap_s=0.05, max_extrapolation_s=0.01)
+    found = JointHistory(("a", "b"), max_gap_s=0.05, max_extrapolation_s=0.01)
     for stamp in stamps_ms:
         assert found.add(stamp * MS, line(stamp, speed))
     return found
@@ -61,8 +61,39 @@ def test_a_stamp_that_is_not_newer_is_left_out():
     assert found.at(90 * MS).q == pytest.approx(line(90), abs=ROUNDING)
 
 
+def part(t_ms, joint, speed=2.0):
+    """The position of one joint, as a driver of its own tells it."""
+    q = np.full(2, np.nan)
+    q[joint] = line(t_ms, speed)[joint]
+    return q
+
+
+def test_joints_of_two_drivers_are_interpolated_each_between_its_own_stamps():
+    found = JointHistory(("a", "b"), max_gap_s=0.05, max_extrapolation_s=0.01)
+    for stamp in (80, 100, 120):
+        assert found.add(stamp * MS, part(stamp, 0)) == ["a"]
+        assert found.add((stamp + 7) * MS, part(stamp + 7, 1)) == ["b"]
+    then = found.at(110 * MS)
+    assert then.q == pytest.approx(line(110), abs=ROUNDING) and then.gap_s == pytest.approx(0.02)
+    assert found.newest == pytest.approx([line(120)[0], line(127)[1]]) and found.newest_ns == 120 * MS
+    assert found.at(129 * MS).extrapolation_s == pytest.approx(0.009)
+
+
+def test_a_joint_without_states_is_named_and_nothing_is_made_up_for_it():
+    found = JointHistory(("a", "b"), max_gap_s=0.05, max_extrapolation_s=0.01)
+    for stamp in (80, 100):
+        found.add(stamp * MS, part(stamp, 0))
+    then = found.at(90 * MS)
+    assert then.q is None and then.wait and then.refusal.startswith("b: ")
+    assert found.newest is None and found.newest_ns == -1
+    for stamp in (20, 140):
+        found.add(stamp * MS, part(stamp, 1))
+    then = found.at(90 * MS)
+    assert then.q is None and not then.wait and then.refusal.startswith("b: ") and "0.120 s apart" in then.refusal
+
+
 def test_old_joint_states_are_forgotten():
-    found = JointHistory(0.05, 0.01, kept_s=0.1)
+    found = JointHistory(("a", "b"), 0.05, 0.01, kept_s=0.1)
     for stamp in range(0, 400, 20):
         found.add(stamp * MS, line(stamp))
     assert found.at(200 * MS).q is None and found.at(300 * MS).q is not None

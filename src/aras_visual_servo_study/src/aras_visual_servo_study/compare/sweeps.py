@@ -21,6 +21,9 @@ from ..sweep.statistics import aggregate, mcnemar, signed_rank
 FILE = "compare.html"
 #: A test's result counts as a difference below this p-value.
 SIGNIFICANT_P = 0.05
+#: What pairs of successful runs are compared by: name, column of the sweep, unit, digits, in words.
+CHANGES = (("time", "duration_s", "s", 3, "time"), ("error", "error_mm", "mm", 4, "final error"),
+           ("angle", "angle_deg", "deg", 5, "final angle"))
 LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
 
 
@@ -45,10 +48,10 @@ def pair(rows_a: List[Dict[str, Any]], rows_b: List[Dict[str, Any]]) -> List[Tup
 
 def compare_pair(rows_a: List[Dict[str, Any]], rows_b: List[Dict[str, Any]]) -> Dict[str, float]:
     """Paired statistics of sweep B against A: dict of pairs, only_a, only_b, success_change,
-    mcnemar_p, time_change_s, time_p, error_change_mm and error_p.
+    mcnemar_p, time_change_s, time_p, error_change_mm, error_p, angle_change_deg and angle_p.
 
-    Success is compared by McNemar's test. Time and error are compared over the pairs where both runs succeeded, by
-    Wilcoxon's signed-rank test; their change is the median of B - A.
+    Success is compared by McNemar's test. The other CHANGES are compared over the pairs where both runs succeeded, by
+    Wilcoxon's signed-rank test; a change is the median of B - A.
     """
     pairs = pair(rows_a, rows_b)
     only_a = sum(bool(a["success"]) and not b["success"] for a, b in pairs)
@@ -57,7 +60,7 @@ def compare_pair(rows_a: List[Dict[str, Any]], rows_b: List[Dict[str, Any]]) -> 
               "success_change": (only_b - only_a) / len(pairs) if pairs else math.nan,
               "mcnemar_p": mcnemar(only_a, only_b)}
     both = [(a, b) for a, b in pairs if a["success"] and b["success"]]
-    for name, column, unit in (("time", "duration_s", "s"), ("error", "error_mm", "mm")):
+    for name, column, unit, _, _ in CHANGES:
         a, b = [x[column] for x, _ in both], [x[column] for _, x in both]
         result[f"{name}_change_{unit}"] = statistics.median(y - x for x, y in zip(a, b)) if both else math.nan
         result[f"{name}_p"] = signed_rank(a, b)
@@ -153,8 +156,9 @@ TABLE = (("runs", "runs", "{:.0f}"), ("infeasible starts", "infeasible", "{:.0f}
 #: ... and of the statistics of pairs.
 PAIRED = (("  pairs", "pairs", "{:.0f}"), ("  only A succeeds", "only_a", "{:.0f}"),
           ("  only this succeeds", "only_b", "{:.0f}"), ("  McNemar p", "mcnemar_p", "{:.3g}"),
-          ("  time change [s]", "time_change_s", "{:+.3f}"), ("  Wilcoxon p, time", "time_p", "{:.3g}"),
-          ("  error change [mm]", "error_change_mm", "{:+.4f}"), ("  Wilcoxon p, error", "error_p", "{:.3g}"))
+          *(row for name, _, unit, digits, _ in CHANGES
+            for row in ((f"  {name} change [{unit}]", f"{name}_change_{unit}", f"{{:+.{digits}f}}"),
+                        (f"  Wilcoxon p, {name}", f"{name}_p", "{:.3g}"))))
 
 
 def table_cells(rows: Sequence[Tuple[str, str, str]], numbers: Dict[str, float],
@@ -217,13 +221,12 @@ def paired_maps(rows_a: List[Dict[str, Any]], rows_b: List[Dict[str, Any]], lett
     classes = {key: {"label": label, "color": color} for key, (label, color) in looks.items()}
     alike = all(row["pair"] == "both" for row in rows)
     maps = [] if alike else [{"title": "who succeeds", "key": "pair", "kind": "classes", "classes": classes}]
-    maps += [{"title": f"change of the time, {letter} − A [s], where both succeed", "key": "time_change_s",
-              "kind": "change"},
-             {"title": f"change of the final error, {letter} − A [mm], where both succeed", "key": "error_change_mm",
-              "kind": "change"}]
+    maps += [{"title": f"change of the {what}, {letter} − A [{unit}], where both succeed",
+              "key": f"{name}_change_{unit}", "kind": "change"} for name, _, unit, _, what in CHANGES]
     facts = [fact(f"{key}_{which}", f"{label}, {name}", unit, digits, short=key in ("reason", "duration_s"))
              for key, label, unit, digits in (("outcome", "result", "", None), ("reason", "reason", "", None),
-                                              ("duration_s", "time", "s", 3), ("error_mm", "final error", "mm", 4))
+                                              *((column, what, unit, digits)
+                                                for _, column, unit, digits, what in CHANGES))
              for which, name in (("a", "A"), ("b", letter))] + start_facts(rows)
     commands = [{"label": f"Run it again in {name}:", "folder": folder,
                  "text": "aras-servo rerun {id} --sweep {folder}"}
@@ -232,14 +235,14 @@ def paired_maps(rows_a: List[Dict[str, Any]], rows_b: List[Dict[str, Any]], lett
 
 
 def _pair_row(a, b):
+    columns = {column: f"{name}_change_{unit}" for name, column, unit, _, _ in CHANGES}
     row = {name: value for name, value in a.items()
            if name == "id" or name in AXES or name.startswith(("start_", "offset_", "goal_", "p_"))}
     for which, one in (("a", a), ("b", b)):
-        row.update({f"{key}_{which}": one[key] for key in ("outcome", "reason", "duration_s", "error_mm")})
+        row.update({f"{key}_{which}": one[key] for key in ("outcome", "reason", *columns)})
     both = bool(a["success"]) and bool(b["success"])
     row["pair"] = "both" if both else "only_a" if a["success"] else "only_b" if b["success"] else "neither"
-    row["time_change_s"] = b["duration_s"] - a["duration_s"] if both else None
-    row["error_change_mm"] = b["error_mm"] - a["error_mm"] if both else None
+    row.update({change: b[column] - a[column] if both else None for column, change in columns.items()})
     return row
 
 
@@ -255,7 +258,7 @@ def _words(letter, numbers):
         return ["No start was run by both."]
     words = [f"Of {of('pairs'):.0f} starts, A alone succeeds on {of('only_a'):.0f} and {letter} alone on "
              f"{of('only_b'):.0f}: {clear(of('mcnemar_p'))} (McNemar, p = {of('mcnemar_p'):.3g})."]
-    for name, unit, digits, what in (("time", "s", 3, "time"), ("error", "mm", 4, "final error")):
+    for name, _, unit, digits, what in CHANGES:
         change, p = of(f"{name}_change_{unit}"), of(f"{name}_p")
         if not math.isnan(change):
             less = f"{abs(change):.{digits}f} {unit} {'less' if change < 0 else 'more'}" if change else "no change"

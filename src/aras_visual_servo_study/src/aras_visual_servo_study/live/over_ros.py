@@ -31,6 +31,8 @@ EXIT_STOPPED, EXIT_PARAMETERS = 0, 2
 LOOK_S, IDLE_S = 1.0 / 60.0, 0.1
 #: Images are listened to for this long after the last page was ready for one [s].
 LINGER_S = 1.0
+#: Joint states of several messages that are no farther apart make one [s].
+APART_S = 0.1
 #: How many places of the target are kept: one that belongs to an image is needed once that image is answered.
 MOST_TARGETS = 1000
 
@@ -71,9 +73,11 @@ class RosRun(PageRun):
 
     def _on_joints(self, message):
         if self.watched or self.hand.busy:
-            self._joints = message.unpack()
-            self._q = self._reader.positions(self._joints)
-            self.drive_by_hand(self.time_ns)
+            message = message.unpack()
+            q = self._reader.merged(message, APART_S)
+            if q is not None:
+                self._joints, self._q = message, q
+                self.drive_by_hand(self.time_ns)
 
     def _on_state(self, message):
         twist, at_ns = message.twist, stamp_ns(message.header)

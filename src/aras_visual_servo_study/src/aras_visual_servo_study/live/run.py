@@ -9,11 +9,12 @@ No threads and no wall time: live/runner.py lets it go on at the speed that some
 """
 
 import copy
+import math
 from typing import Any, Dict, List, Optional
 
 import numpy as np
 
-from aras_visual_servo import ExperimentSequence, ParameterError, Scenario, ServoLoop
+from aras_visual_servo import ExperimentSequence, ParameterError, Scenario, ServoLoop, spatial
 from .page_run import QUIET, PageRun
 from .settings import acts_at_once, changed, put
 
@@ -115,13 +116,8 @@ class LiveRun(PageRun):
     def _depth(self) -> float:
         """Depth along the optical axis of the target's plane; the experiment's where the two do not meet [m]."""
         X_WT = self.target_pose()
-        if X_WT is not None:
-            normal = X_WT[:3, 2]
-            along = float(normal @ self.X_WC[:3, 2])
-            depth = float(normal @ (X_WT[:3, 3] - self.X_WC[:3, 3])) / along if abs(along) > 1e-3 else 0.0
-            if depth > 0.0:
-                return depth
-        return float(self.scenario.experiment["z_star_m"])
+        depth_m = math.nan if X_WT is None else spatial.plane_depth(self.X_WC, X_WT)
+        return float(self.scenario.experiment["z_star_m"]) if math.isnan(depth_m) else depth_m
 
     def do_reset(self, _request: Any) -> None:
         self._build(self.loop.sim if self._built_sim == self.scenario.sim else None)

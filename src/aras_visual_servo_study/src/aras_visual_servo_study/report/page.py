@@ -13,7 +13,7 @@ from . import pictures, plots
 from .image_plot import image_plot
 from .joint_plot import joint_plot
 from .replay import ReplayError, replay_of
-from .report import comparison_rows, is_number, stop_rows
+from .report import NOT_COMPARABLE, comparison_rows, is_number, stop_rows
 from aras_visual_servo import RunRecord, styles
 from .template import render, script
 
@@ -39,7 +39,8 @@ def report_html(record: RunRecord, summary: Dict[str, Any], command: Optional[st
     return render(
         "report.html.j2", summary=summary, images=_images(record), plots=drawn, film=film and _film(film),
         replay=shown_again, no_replay=why_not, script=script("lib/draw.js", "report.js") if drawn else "",
-        rows=comparison_rows(summary), stop=stop_rows(summary), features=_feature_rows(summary),
+        rows=comparison_rows(summary), caveat=NOT_COMPARABLE if summary["published"] else "",
+        stop=stop_rows(summary), features=_feature_rows(summary),
         settings=flat_settings(record), eye_to_hand=record.eye_to_hand,
         recorded=[(topic, f"{count['in_bag']} of {count['published']} messages published")
                   for topic, count in record.recorded.items()],

@@ -15,6 +15,7 @@ import itertools
 import json
 import math
 import os
+import textwrap
 import time
 from dataclasses import asdict
 from pathlib import Path
@@ -34,6 +35,9 @@ PUBLISHED = {
     "experiment_2": {"label": "paper, experiment 2",
                      "x_mm": 4.0, "y_mm": 8.9, "z_mm": 7.2, "angle_deg": 0.03},
 }
+#: Stands below each table that shows the published results.
+NOT_COMPARABLE = ("The paper's row cannot be compared with the others: the paper does not define its \"mean of "
+                  "tracking errors\" (of which quantity, against which truth, over how many runs).")
 #: Columns of the table of final errors.
 ERROR_KEYS = ("x_mm", "y_mm", "z_mm", "angle_deg")
 #: What the stop rule judges beside the features: key, label, unit that is shown, its factor.
@@ -258,6 +262,8 @@ def format_summary(summary: Dict[str, Any]) -> str:
     for row in comparison_rows(summary):
         cells = zip(row["cells"], (10, 10, 10, 14))
         lines.append(f"{row['label']:<31}" + "".join(f"{cell:>{width}}" for cell, width in cells))
+    if summary["published"]:
+        lines += textwrap.wrap(NOT_COMPARABLE, 79)
     lines += ["", f"{'time to converge' if summary['converged'] else 'servo time':<20}{summary['duration_s']:.2f} s "
                   f"simulated, {summary['images']} images"]
     rates, asked = summary["measured_decay_per_s"], summary["promised_decay_per_s"]

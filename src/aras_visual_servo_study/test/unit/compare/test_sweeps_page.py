@@ -52,6 +52,8 @@ def test_the_page_states_the_numbers_of_the_statistics(page, sweeps):
     assert cells["pairs"] == str(found["pairs"]) and cells["only A succeeds"] == str(found["only_a"])
     assert cells["McNemar p"].replace("−", "-") == f"{found['mcnemar_p']:.3g}"
     assert cells["time change [s]"].replace("−", "-") == f"{found['time_change_s']:+.3f}"
+    assert cells["angle change [deg]"].replace("−", "-") == f"{found['angle_change_deg']:+.5f}"
+    assert cells["Wilcoxon p, angle"].replace("−", "-") == f"{found['angle_p']:.3g}"
     assert "Gate failed" in text and "success < 0.999" in text
     assert not re.search(r'(?:src|href)="(?!data:)', text)
 
@@ -68,13 +70,16 @@ def test_a_map_has_the_change_of_every_pair(sweeps):
         change = row[place["error_change_mm"]]
         assert (change is None) == (kind != "both")
         assert change is None or change == pytest.approx(b["error_mm"] - a["error_mm"], rel=1e-6)
-    assert [one["key"] for one in data["maps"]] == ["pair", "time_change_s", "error_change_mm"]
+        turned = row[place["angle_change_deg"]]
+        assert turned is None or turned == pytest.approx(b["angle_deg"] - a["angle_deg"], rel=1e-6)
+    assert [one["key"] for one in data["maps"]] == ["pair", "time_change_s", "error_change_mm",
+                                                    "angle_change_deg"]
 
 
 def test_where_all_succeed_there_is_no_map_of_one_colour(sweeps):
     rows = [row for row in sweeps[0] if row["success"]]
     assert [one["key"] for one in json.loads(paired_maps(rows, rows, "B", "ab"))["maps"]] == [
-        "time_change_s", "error_change_mm"]
+        "time_change_s", "error_change_mm", "angle_change_deg"]
 
 
 def test_one_sweep_alone_has_a_page_too(sweeps):

@@ -4,6 +4,7 @@ import base64
 import csv
 import dataclasses
 import hashlib
+import html
 import io
 import json
 import math
@@ -22,8 +23,8 @@ from aras_visual_servo_study.report import report, template
 from aras_visual_servo_study.report.drawing import Drawing
 from aras_visual_servo_study.report.pictures import PANELS, image_of
 from aras_visual_servo_study.report.plots import plots_of
-from aras_visual_servo_study.report.report import (ResultFolderError, create_result_folder, format_summary,
-                                                   save_results, summarise, trace_csv)
+from aras_visual_servo_study.report.report import (NOT_COMPARABLE, ResultFolderError, create_result_folder,
+                                                   format_summary, save_results, summarise, trace_csv)
 
 FILES = {"summary.json", "trace.csv", "figure.png", "figure.pdf", "report.html"}
 # trace.csv keeps nine significant digits.
@@ -120,6 +121,15 @@ def test_a_failed_run_says_why():
 def test_a_variant_is_compared_with_the_experiment_it_varies():
     assert summarise(make_record(scenario="experiment_2_slow"))["published"]["y_mm"] == 8.9
     assert summarise(make_record(scenario="mine"))["published"] is None
+
+
+@pytest.mark.parametrize("scenario, said", [("experiment_1", True), ("experiment_2_slow", True), ("mine", False)])
+def test_console_and_page_say_that_published_results_cannot_be_compared(tmp_path, scenario, said):
+    record = make_record(scenario=scenario)
+    table = format_summary(summarise(record))
+    assert (NOT_COMPARABLE in " ".join(table.split())) == said
+    save_results(record, tmp_path)
+    assert (NOT_COMPARABLE in html.unescape((tmp_path / "report.html").read_text())) == said
 
 
 def test_a_record_without_images_and_settings_still_gives_a_report(tmp_path):

@@ -84,6 +84,17 @@ def test_pairs_compare_success_time_and_error():
     assert "McNemar p" in format_comparison(["a", "b"], [a, b])
 
 
+def test_pairs_compare_the_angle_too():
+    """B is slower and no nearer to the goal, and less turned in nine pairs of ten."""
+    a = [dict(row(i), angle_deg=0.01) for i in range(1, 11)]
+    b = [dict(row(i), angle_deg=0.01 - 0.001 * i if i > 1 else 0.011) for i in range(1, 11)]
+    result = compare_pair(a, b)
+    assert result["angle_change_deg"] == pytest.approx(-0.0055)
+    assert 2 / 2 ** 10 < result["angle_p"] < 0.01 and result["error_p"] == 1.0
+    assert gate_fires("B.angle_change_deg < 0 and angle_p < 0.05", numbers_of([a, b]))[0]
+    assert "-0.00550" in format_comparison(["a", "b"], [a, b])
+
+
 def test_sweeps_of_other_starts_cannot_be_paired():
     with pytest.raises(ParameterError, match="run 1: the starts differ"):
         compare_pair([row(1)], [row(1, start=0.5)])
