@@ -77,6 +77,13 @@ def inverse(X: np.ndarray) -> np.ndarray:
     return result
 
 
+def transform(R: np.ndarray, p: np.ndarray) -> np.ndarray:
+    """Returns the pose (4, 4) of a rotation (3, 3) and a position (3,)."""
+    X = np.eye(4)
+    X[:3, :3], X[:3, 3] = R, p
+    return X
+
+
 def skew(vector: Any) -> np.ndarray:
     """[v]x, (3, 3), of a vector, (3,): [v]x w is the cross product v x w."""
     x, y, z = vector

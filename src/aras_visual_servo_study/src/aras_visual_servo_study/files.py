@@ -1,13 +1,18 @@
-"""Where this package keeps what is not Python: templates, comparisons, protocols and the live page."""
+"""Where this package keeps what is not Python (templates, comparisons, the live page), and files written whole."""
 
 from pathlib import Path
+from typing import Union
 
-from aras_visual_servo import ParameterError, package_path
+from aras_visual_servo import ArasError, ParameterError, package_path
 
 #: Where Debian's libjs-three puts its files.
 THREE = Path("/usr/share/javascript/three")
 #: Of three.js, what a page loads: the library, and what turns the view by mouse and finger.
 THREE_FILES = ("three.min.js", "examples/js/controls/OrbitControls.js")
+
+
+class ResultFolderError(ArasError):
+    """The folder for the results cannot be made or written."""
 
 
 def share_dir() -> Path:
@@ -20,4 +25,15 @@ def three_file(name: str) -> Path:
     path = THREE / name
     if not path.is_file():
         raise ParameterError(f"three.js: no such file: {path}; on Debian: apt install libjs-three")
+    return path
+
+
+def write_whole(path: Path, content: Union[str, bytes]) -> Path:
+    """Writes a whole file or none, so that none is left by half. Returns its path. Raises ResultFolderError."""
+    partial = path.with_name(path.name + ".part")
+    try:
+        partial.write_bytes(content.encode() if isinstance(content, str) else content)
+        partial.replace(path)
+    except OSError as error:
+        raise ResultFolderError(f"{path}: cannot be written: {error.strerror}") from error
     return path

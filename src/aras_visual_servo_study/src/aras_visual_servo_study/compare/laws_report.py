@@ -13,8 +13,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from aras_visual_servo import palette
+from ..files import write_whole
 from ..report.figure import STYLE, save_both
-from ..report.report import write_whole
 from ..report.template import render
 from ..report.versions import installed_versions
 from ..sweep import store

@@ -15,9 +15,9 @@ from mpl_toolkits.mplot3d import Axes3D
 
 import aras_visual_servo as avs
 from aras_visual_servo import Outline, RunRecord, judge, load_scenario, measures, palette, scenario_from_dict, track_of
+from ..files import write_whole
 from ..report.figure import STYLE, draw_panel, save_both
 from ..report.page import flat_settings
-from ..report.report import write_whole
 from ..report.template import render
 from .laws_report import COLOURS, FLOOR_DEG, FLOOR_MM, TABLE, cells
 from ..sweep.judge import judge_row

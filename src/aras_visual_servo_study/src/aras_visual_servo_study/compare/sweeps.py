@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Dict, List, Sequence, Tuple, Union
 
 from aras_visual_servo import ParameterError, palette
-from ..report.report import write_whole
+from ..files import write_whole
 from ..report.template import render, script
 from ..report.versions import installed_versions
 from ..sweep.figure import AXES, DEFAULT_AXES

@@ -19,8 +19,8 @@ from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d import Axes3D
 
 from aras_visual_servo import RunRecord, palette, styles
+from ..files import write_whole
 from .pictures import PANELS, image_of, panel_title
-from .report import write_whole
 
 TWIST_LABELS = ("$v_x$", "$v_y$", "$v_z$", r"$\omega_x$", r"$\omega_y$", r"$\omega_z$")
 TWIST_STYLES = tuple((color, style) for style in ("-", (0, (4, 1.5)))

@@ -23,8 +23,9 @@ from typing import Any, Dict, List, Optional, Union
 
 import numpy as np
 
-from aras_visual_servo import (STOP_NAMES, TWIST_NAMES, ArasError, RunRecord, StopSettings, fit_decay, judge, spatial,
+from aras_visual_servo import (STOP_NAMES, TWIST_NAMES, RunRecord, StopSettings, fit_decay, judge, spatial,
                                spread, styles, tracking)
+from ..files import ResultFolderError, write_whole
 from .drawing import Drawing
 from .versions import installed_versions
 
@@ -44,10 +45,6 @@ ERROR_KEYS = ("x_mm", "y_mm", "z_mm", "angle_deg")
 _STOP = (("tilt_rad", "tilt", "mrad", 1e3), ("position_m", "distance from the goal", "mm", 1e3),
          ("rotation_rad", "angle from the goal", "mrad", 1e3))
 PROBE_BYTES = 2**20  # which a disk must have left before a run begins; its report alone takes about as much
-
-
-class ResultFolderError(ArasError):
-    """The folder for the results cannot be made or written."""
 
 
 def create_result_folder(output: Union[str, Path], scenario_name: str, stamp: Optional[str] = None) -> Path:
@@ -294,14 +291,3 @@ def _json_safe(value):
     if isinstance(value, (list, tuple)):
         return [_json_safe(item) for item in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
-
-
-def write_whole(path: Path, content: Union[str, bytes]) -> Path:
-    """Writes a whole file or none, so that none is left by half. Returns its path. Raises ResultFolderError."""
-    partial = path.with_name(path.name + ".part")
-    try:
-        partial.write_bytes(content.encode() if isinstance(content, str) else content)
-        partial.replace(path)
-    except OSError as error:
-        raise ResultFolderError(f"{path}: cannot be written: {error.strerror}") from error
-    return path

@@ -8,7 +8,7 @@ import math
 from pathlib import Path
 from typing import Any, Dict, List, Optional, Sequence, Tuple
 
-from ..report.report import write_whole
+from ..files import write_whole
 from ..report.template import render, script
 from .figure import DEFAULT_AXES, save_figures
 from .map import MAP_MODULES, sweep_maps

@@ -19,17 +19,10 @@ VIEW_MARGIN_PX = 2.0
 PARALLEL_RAD = 0.01
 
 
-def transform(R: np.ndarray, p: np.ndarray) -> np.ndarray:
-    """(4, 4) of a rotation (3, 3) and a position (3,)."""
-    X = np.eye(4)
-    X[:3, :3], X[:3, 3] = R, p
-    return X
-
-
 def pose_of(offset: Dict[str, float]) -> np.ndarray:
     """X_CgC, (4, 4), of a displacement along and a rotation vector about CAMERA_AXES; missing axes are 0."""
     delta = np.array([offset.get(axis, 0.0) for axis in CAMERA_AXES])
-    return transform(spatial.rotation(delta[3:]), delta[:3])
+    return spatial.transform(spatial.rotation(delta[3:]), delta[:3])
 
 
 def offset_of(X: np.ndarray) -> Dict[str, float]:
@@ -87,7 +80,7 @@ class View:
             raise ParameterError(f"target does not fit into the image: at depth {depth_m:.3g} m")
         part = 0.5 * (1.0 + np.array([point["u"], point["v"]]))
         x, y = least + part * (most - least)
-        return offset_of(transform(R, self._X_CgT[:3, 3] - R @ (depth_m * np.array([x, y, 1.0]))))
+        return offset_of(spatial.transform(R, self._X_CgT[:3, 3] - R @ (depth_m * np.array([x, y, 1.0]))))
 
 
 def tilted_goal(point: Dict[str, float], t_C: np.ndarray, normal_C: Sequence[float]) -> Tuple[np.ndarray, np.ndarray]:
@@ -99,4 +92,4 @@ def tilted_goal(point: Dict[str, float], t_C: np.ndarray, normal_C: Sequence[flo
     Returns: (X_CgCn, normal): pose of the new camera Cn in the old one, and the normal of the target in Cn, (3,).
     """
     R = spatial.rotation(point["tilt_rad"] * np.array([cos(point["about_rad"]), sin(point["about_rad"]), 0.0]))
-    return transform(R, np.asarray(t_C) - R @ np.asarray(t_C)), np.asarray(normal_C, dtype=float) @ R
+    return spatial.transform(R, np.asarray(t_C) - R @ np.asarray(t_C)), np.asarray(normal_C, dtype=float) @ R

@@ -8,7 +8,6 @@ import numpy as np
 
 from aras_visual_servo import Scenario, load_scenario, spatial
 from ...sweep.plan import Start
-from ...sweep.space import transform
 from . import board as boards
 from .base import Case, Protocol, register_protocol, spread, with_picture
 
@@ -111,4 +110,4 @@ def drawn(rng: np.random.RandomState, distance_m: Tuple[float, float], above_deg
     R = np.stack([np.cross(y, -place), y, -place], axis=1)
     for axis, most in zip(np.eye(3)[::-1], turns_deg):
         R = R @ spatial.rotation(axis * math.radians(rng.uniform(-most, most)))
-    return transform(R, distance * place)
+    return spatial.transform(R, distance * place)

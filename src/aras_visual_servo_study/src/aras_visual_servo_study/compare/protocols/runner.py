@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
 from aras_visual_servo import ParameterError
-from ...report.report import write_whole
+from ...files import write_whole
 from ...report.versions import installed_versions
 from ...sweep.engine import Progress, open_sweep, run_pending
 from ...sweep.statistics import wilson

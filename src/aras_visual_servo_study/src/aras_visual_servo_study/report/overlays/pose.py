@@ -6,7 +6,6 @@ from typing import Sequence
 import numpy as np
 
 from aras_visual_servo import palette, spatial
-from ...sweep.space import transform
 from .base import Overlay, Scene, Shape, Way, circle, register_overlay
 
 DISPLACEMENT = ("tx", "ty", "tz", "rx", "ry", "rz")
@@ -34,7 +33,8 @@ def pose(scene: Scene, names: Sequence[str]) -> Overlay:
 def _displaced(s, X_CgT):
     """X_CT of a displacement (6,): p_CgC, theta u of R_CgC."""
     known = np.isfinite(s).all()
-    return spatial.inverse(transform(spatial.rotation(s[3:]), s[:3])) @ X_CgT if known else np.full((4, 4), np.nan)
+    X_CgC = spatial.transform(spatial.rotation(s[3:]), s[:3])
+    return spatial.inverse(X_CgC) @ X_CgT if known else np.full((4, 4), np.nan)
 
 
 @register_overlay("reference")
