@@ -13,7 +13,7 @@ from . import pictures, plots
 from .image_plot import image_plot
 from .joint_plot import joint_plot
 from .replay import ReplayError, replay_of
-from .report import NOT_COMPARABLE, comparison_rows, is_number, stop_rows
+from .rows import NOT_COMPARABLE, comparison_rows, is_number, stop_rows
 from aras_visual_servo import RunRecord, styles
 from .template import render, script
 

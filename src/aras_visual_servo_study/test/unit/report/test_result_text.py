@@ -11,7 +11,7 @@ from synthetic import blob, make_record, SETTINGS
 
 from aras_visual_servo_study.report import page, replay, report, template, versions
 from aras_visual_servo_study.report.drawing import Drawing
-from aras_visual_servo_study.report.report import stop_rows
+from aras_visual_servo_study.report.rows import stop_rows
 from aras_visual_servo_study.report.video import Film
 
 
