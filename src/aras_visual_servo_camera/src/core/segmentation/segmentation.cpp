@@ -20,6 +20,8 @@ namespace {
 // outside the image.
 constexpr double kBorderWeight = 0.1;
 
+}  // namespace
+
 /** Pixels without a usable ray, such as those that a fisheye sees beyond CameraIntrinsics::kWidestAngle and those
  *  outside its circle. The segmentation treats them as lying outside the image. */
 class BlindArea {
@@ -53,6 +55,8 @@ class BlindArea {
   int count_ = 0;
   cv::Mat blind_, near_;  // 255 where it is so
 };
+
+namespace {
 
 /** Pixels with (grey ^ flip) <= level are in the object. */
 struct Threshold {
