@@ -165,9 +165,7 @@ def rpy_of(R: np.ndarray) -> Tuple[float, float, float]:
 
 def pose_from_rpy(position: Sequence[float], rpy_rad: Sequence[float]) -> np.ndarray:
     """Pose, (4, 4), of a position (3,) and of fixed-axis roll, pitch, yaw, as in URDF."""
-    X = np.eye(4)
-    X[:3, :3], X[:3, 3] = rotation_rpy(rpy_rad), position
-    return X
+    return transform(rotation_rpy(rpy_rad), position)
 
 
 def _quaternion_product(p, q):

@@ -171,8 +171,9 @@ def fit_decay(record: RunRecord) -> Dict[str, float]:
             floor = max(share * np.nanmax(size, initial=0.0), FIT_FLOOR_THRESHOLDS * thresholds.get(name, 0.0))
             below = np.flatnonzero(~(size > floor))
             end = below[0] if len(below) else len(size)
-            if math.isnan(rates[name]):
-                rates[name] = _rate_of_the_end(t_s[:end], np.log(size[:end]))
+            rates[name] = _rate_of_the_end(t_s[:end], np.log(size[:end]))
+            if not math.isnan(rates[name]):
+                break
     return rates
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import yaml
 
 from aras_visual_servo import ParameterError
-from aras_visual_servo.spatial import exponential
+from aras_visual_servo.spatial import exponential, transform
 from .boards import Board
 
 #: Fewer views of a plane do not tell the intrinsics, or not well.
@@ -75,8 +75,7 @@ class CameraCalibration:
             seen = cv2.fisheye.undistortPoints(view[:, None], K, distortion)[:, 0]
             K, distortion = np.eye(3), np.zeros(5)
         _, turn, place = cv2.solvePnP(board.points_m, seen, K, distortion)
-        X_CO = np.eye(4)
-        X_CO[:3, :3], X_CO[:3, 3] = cv2.Rodrigues(turn)[0], place.ravel()
+        X_CO = transform(cv2.Rodrigues(turn)[0], place.ravel())
         if self.distortion_model == "plumb_bob":
             return X_CO  # solvePnP has fitted the pixels
         found = least_squares(lambda step: (self.project(board.points_m, X_CO @ exponential(step)) - view).ravel(),

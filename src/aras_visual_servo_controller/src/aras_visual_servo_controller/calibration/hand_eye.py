@@ -13,7 +13,7 @@ from typing import Dict, Optional, Sequence, Tuple
 import numpy as np
 
 from aras_visual_servo import ParameterError
-from aras_visual_servo.spatial import exponential, inverse, rotation_vector, rpy_of
+from aras_visual_servo.spatial import exponential, inverse, rotation_vector, rpy_of, transform
 from .boards import Board
 from .camera import CameraCalibration
 
@@ -76,18 +76,18 @@ def calibrate_hand_eye(poses: Sequence[np.ndarray], views: Sequence[np.ndarray],
     if not max(found.view_residuals_px) < camera.residual_limit_px:
         names = [str(k) for k in range(len(views))] if names is None else names
         raise ParameterError(
-            f"samples: found a residual of {found.residual_px:.3g} px, allowed below {camera.residual_limit_px:.3g}; "
+            f"samples: found a residual of {max(found.view_residuals_px):.3g} px in the worst, allowed below "
+            f"{camera.residual_limit_px:.3g}; "
             + _suspects(poses, boards, views, board, camera, names))
     return found
 
 
 def _first_guess(poses, boards):
-    """(X_FC, X_BO). Raises cv2.error or ValueError where the poses do not tell."""
+    """(X_FC, X_BO). Raises cv2.error where the poses do not tell."""
     import cv2
     R, t = cv2.calibrateHandEye([X[:3, :3] for X in poses], [X[:3, 3] for X in poses], [X[:3, :3] for X in boards],
                                 [X[:3, 3] for X in boards], method=cv2.CALIB_HAND_EYE_PARK)
-    X_FC = np.eye(4)
-    X_FC[:3, :3], X_FC[:3, 3] = R, t.ravel()
+    X_FC = transform(R, t.ravel())
     return X_FC, poses[0] @ X_FC @ boards[0]
 
 
@@ -95,9 +95,11 @@ def _suspects(poses, boards, views, board, camera, names):
     """Says which samples do not fit the others, or by how many places poses and views are out of step."""
     count = len(views)
     fitting = _consensus(poses, boards, views, board, camera)
-    if 2 * len(fitting) > count:
+    if count > len(fitting) > count / 2:
         others = ", ".join(names[k] for k in range(count) if k not in fitting)
         return f"without {others} the others fit: take these samples again"
+    if len(fitting) == count:
+        return "all samples fit one place of the camera, but not well: check the size of the board and the arm's model"
     for lag in (1, -1, 2, -2):
         late, early = slice(max(0, lag), count + min(0, lag)), slice(max(0, -lag), count - max(0, lag))
         fitting = _consensus(poses[early], boards[late], views[late], board, camera)
@@ -114,10 +116,9 @@ def _consensus(poses, boards, views, board, camera):
     for _ in range(TRIALS if len(views) >= LEAST_VIEWS else 0):
         chosen = random.choice(len(views), 3, replace=False)
         try:
-            X_FC, _ = _first_guess([poses[k] for k in chosen], [boards[k] for k in chosen])
+            X_FC, X_BO = _first_guess([poses[k] for k in chosen], [boards[k] for k in chosen])
         except cv2.error:
             continue
-        X_BO = poses[chosen[0]] @ X_FC @ boards[chosen[0]]
         if not np.isfinite(X_BO).all():
             continue
         off = [camera.project(board.points_m, inverse(X_BF @ X_FC) @ X_BO) - view for X_BF, view in zip(poses, views)]

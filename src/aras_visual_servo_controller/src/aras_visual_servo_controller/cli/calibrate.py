@@ -8,7 +8,7 @@ import numpy as np
 import yaml
 
 import aras_visual_servo as avs
-from aras_visual_servo import ParameterError, cli, load_scenario, robot_kinematics
+from aras_visual_servo import ParameterError, cli, is_number, load_scenario, robot_kinematics
 from aras_visual_servo.spatial import inverse
 from ..calibration.boards import KINDS, Board
 from ..calibration.camera import MODELS
@@ -69,7 +69,7 @@ def _camera(arguments: Namespace, board: Board) -> str:
 
 
 def _hand_eye(arguments: Namespace, board: Board) -> str:
-    scenario, names, poses, views = _arm_and_views(arguments, board)
+    _, names, poses, views = _arm_and_views(arguments, board)
     return _place(arguments, board, names, poses, views, {}, arguments.link)
 
 
@@ -100,8 +100,8 @@ def _joint_faults(arm: Any, sample: Dict[str, Any]) -> Iterator[str]:
         key, position = f"{sample['image']}: joints.{name}", sample["joints"].get(name)
         if position is None:
             yield f"{key}: missing"
-        elif isinstance(position, bool) or not isinstance(position, (int, float)):
-            yield f"{key}: found {position!r}, allowed a number"
+        elif not is_number(position):
+            yield f"{key}: found {position!r}, allowed a finite number"
         elif not low <= position <= high:
             yield f"{key}: found {position:g}, allowed {low:g} to {high:g}, the limits of the URDF (rad, not degrees)"
 
