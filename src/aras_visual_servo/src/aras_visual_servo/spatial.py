@@ -6,7 +6,7 @@ of a second to import; the others are scipy's.
 """
 
 from math import asin, atan2, cos, sin, sqrt
-from typing import Any, Sequence, Tuple
+from typing import Any, Sequence, Tuple, Union
 
 import numpy as np
 
@@ -77,7 +77,7 @@ def inverse(X: np.ndarray) -> np.ndarray:
     return result
 
 
-def transform(R: np.ndarray, p: np.ndarray) -> np.ndarray:
+def transform(R: np.ndarray, p: Union[np.ndarray, Sequence[float]]) -> np.ndarray:
     """Returns the pose (4, 4) of a rotation (3, 3) and a position (3,)."""
     X = np.eye(4)
     X[:3, :3], X[:3, 3] = R, p
