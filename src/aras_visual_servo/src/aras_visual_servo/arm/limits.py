@@ -4,31 +4,41 @@ Those that every image needs are C++. The loops of the others go over floats bec
 they take a fifth of the time of array expressions.
 """
 
-from math import inf, sqrt
-from typing import Tuple
+from math import inf
+from typing import Optional, Tuple
 
 import numpy as np
 
 from .._kinematics import limit_factors, position_factor, velocity_factor
 
-__all__ = ["accelerated", "braking_factor", "joint_bounds", "limit_factors", "position_factor", "velocity_factor"]
+__all__ = ["accelerated", "end_factor", "end_speeds", "joint_bounds", "limit_factors", "position_factor",
+           "velocity_factor"]
 
 
-def braking_factor(q: np.ndarray, q_dot: np.ndarray, lower: np.ndarray, upper: np.ndarray, acceleration: np.ndarray,
-                   dt_s: float) -> float:
-    """Factor in [0, 1] with which every joint, after q_dot has been held for dt_s, can still brake before its limit.
+def end_speeds(q: np.ndarray, lower: np.ndarray, upper: np.ndarray, acceleration: np.ndarray, dt_s: float,
+               horizon_s: float) -> np.ndarray:
+    """Returns the largest speeds, (2, n) >= 0, with which each joint may move towards its lower and its upper end.
 
-    v dt + v^2 / (2 a) <= room, solved for v. Args: (n,) each, lower, upper and acceleration (> 0) may be infinite.
+    A joint reaches the end in horizon_s at the earliest and, after the speed v has been held for dt_s, can still brake
+    before it: v dt + v^2 / (2 a) <= room. A joint beyond its end may only move back.
+    Args: (n,) each, lower, upper and acceleration (> 0) may be infinite.
     """
-    factor = 1.0
-    limits = zip(q.tolist(), q_dot.tolist(), lower.tolist(), upper.tolist(), acceleration.tolist())
-    for here, speed, low, high, most in limits:
-        room = high - here if speed > 0.0 else here - low
-        if speed == 0.0 or room == inf or most == inf:
-            continue
-        allowed = most * (sqrt(dt_s * dt_s + 2.0 * max(0.0, room) / most) - dt_s)
-        factor = min(factor, allowed / abs(speed))
-    return factor
+    room = np.maximum(np.array([q - lower, upper - q]), 0.0)
+    speeds, most = room / horizon_s, np.broadcast_to(acceleration, room.shape)
+    braked = np.isfinite(most) & np.isfinite(room)
+    most, left = most[braked], room[braked]
+    speeds[braked] = np.minimum(speeds[braked], most * (np.sqrt(dt_s * dt_s + 2.0 * left / most) - dt_s))
+    return speeds
+
+
+def end_factor(q_dot: np.ndarray, speeds: np.ndarray) -> Tuple[float, Optional[int]]:
+    """Returns the factor in [0, 1] that keeps q_dot, (n,), within `end_speeds`, and the joint that asks for it."""
+    factor, joint = 1.0, None
+    for i, (speed, down, up) in enumerate(zip(q_dot.tolist(), *speeds.tolist())):
+        allowed = up if speed > 0.0 else down
+        if abs(speed) > allowed and allowed / abs(speed) < factor:
+            factor, joint = allowed / abs(speed), i
+    return factor, joint
 
 
 def accelerated(before: np.ndarray, wanted: np.ndarray, change: np.ndarray) -> np.ndarray:
@@ -65,12 +75,7 @@ def joint_bounds(q: np.ndarray, before: np.ndarray, lower: np.ndarray, upper: np
     Returns: low, high: (n,), low <= high.  at_stop: (2, n), whether the end of the way makes low and high.
         short: (n,), bool.
     """
-    reach = []
-    for room in (np.maximum(q - lower, 0.0), np.maximum(upper - q, 0.0)):
-        bound, braked = room / horizon_s, np.isfinite(acceleration) & np.isfinite(room)
-        most, left = acceleration[braked], room[braked]
-        bound[braked] = np.minimum(bound[braked], most * (np.sqrt(dt_s * dt_s + 2.0 * left / most) - dt_s))
-        reach.append(bound)
+    reach = end_speeds(q, lower, upper, acceleration, dt_s, horizon_s)
     at_stop = np.array([reach[0] < velocity, reach[1] < velocity])
     low, high = -np.minimum(reach[0], velocity), np.minimum(reach[1], velocity)
     change = acceleration * dt_s

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Dict, NamedTuple, Optional, Sequence, Tup
 import numpy as np
 
 from .kinematics import RobotKinematics
-from .limits import accelerated, braking_factor, joint_bounds, limit_factors, position_factor, velocity_factor
+from .limits import accelerated, end_factor, end_speeds, joint_bounds, limit_factors, position_factor, velocity_factor
 from .redundancy import TwistInverse, Wish, norm_part
 from ..ground.types import Reference, Status
 
@@ -16,8 +16,9 @@ if TYPE_CHECKING:
 #: NEAR_SINGULARITY is reported when more than this part of the twist cannot be achieved, and that part is also larger
 #: than LOST_FLOOR, below which it is noise [rad/s].
 LOST_PART, LOST_FLOOR = 0.1, 1e-3
-#: A joint moves at most so fast that it would reach its limit in this many periods.
-LIMIT_HORIZON = 2.0
+#: A joint moves at most so fast that it would reach its limit in this many periods and this time: the joints of an arm
+#: lag behind their set-points and overshoot them.
+LIMIT_HORIZON, LAG_S = 2.0, 0.1
 #: The correction for the change of the Jacobian adds at most this part of the joint velocity.
 TURNING_PART = 0.25
 #: A velocity counts as fast from this part of the joint's limit on.
@@ -94,6 +95,7 @@ class ArmMotion:
         self._acceleration = np.array([config.limits.joint_acceleration.get(name, inf)
                                        for name in kinematics.joint_names])
         self._accelerates = bool(config.limits.joint_acceleration)
+        self._lag_s = LAG_S + (config.filter.latency_s if config.filter is not None else 0.0)
         self._before = np.zeros(len(kinematics.joint_names))
         # A free camera has no singularity: what goes to and fro there is the law's own twist.
         self._chatter = Chatter(kinematics.joint_names, kinematics.velocity) if kinematics.spare_motion else None
@@ -167,12 +169,7 @@ class ArmMotion:
         twist, q_dot, factor = self._wanted(q, twist, jacobian, inverse, dt_s)
         if self._accelerates:
             q_dot = q_dot * velocity_factor(q_dot, self._kinematics.velocity)
-            q_dot = q_dot * braking_factor(q, q_dot, self.lower, self.upper, self._acceleration, dt_s)
-            q_dot = accelerated(self._before, q_dot, self._acceleration * dt_s)
-        again, room, joint = limit_factors(q, q_dot, self._kinematics.velocity, self.lower, self.upper,
-                                           LIMIT_HORIZON * dt_s)
-        if self._accelerates:
-            again = 1.0
+        again, room, joint = self._limited(q, q_dot, dt_s)
         if joint is not None and self._others_go_on:
             return self._without_blocked(q, q_dot * again, joint, twist, jacobian, dt_s)
         scale = min(again, room)
@@ -180,7 +177,9 @@ class ArmMotion:
             q_dot = q_dot * scale
         scaled = twist * (factor * scale) if factor * scale < 1.0 else twist
         if self._accelerates:
-            self._before, scaled = q_dot, jacobian @ q_dot
+            q_dot = accelerated(self._before, q_dot, self._acceleration * dt_s)
+            q_dot = self._before = q_dot * position_factor(q, q_dot, self.lower, self.upper, dt_s)[0]
+            scaled = jacobian @ q_dot
         if joint is not None:
             name = self._kinematics.joint_names[joint]
             return Motion(q_dot, scaled, Status.JOINT_LIMIT, f"joint '{name}' at its limit, speed times {room:.2f}")
@@ -188,6 +187,18 @@ class ArmMotion:
         if lost > LOST_FLOOR and lost > LOST_PART * float(twist @ twist) ** 0.5:
             return Motion(q_dot, scaled, Status.NEAR_SINGULARITY, "part of the twist cannot be achieved here")
         return Motion(q_dot, scaled)
+
+    def _limited(self, q, q_dot, dt_s):
+        """(factor of the velocity limits, that of the ends of the joints' ways, the joint that asks for the latter)."""
+        if self._accelerates:
+            return 1.0, *end_factor(q_dot, self._end_speeds(q, dt_s))
+        return limit_factors(q, q_dot, self._kinematics.velocity, self.lower, self.upper, self._horizon_s(dt_s))
+
+    def _end_speeds(self, q, dt_s):
+        return end_speeds(q, self.lower, self.upper, self._acceleration, dt_s, self._horizon_s(dt_s))
+
+    def _horizon_s(self, dt_s):
+        return LIMIT_HORIZON * dt_s + self._lag_s
 
     def _wanted(self, q, twist, jacobian, inverse, dt_s):
         """(twist within the camera's limits, (n,) joint velocities for it, the factor that slowed all of them)."""
@@ -204,7 +215,7 @@ class ArmMotion:
         _, wanted, _ = self._wanted(q, twist, jacobian, inverse, dt_s)
         velocity, names = self._kinematics.velocity, self._kinematics.joint_names
         low, high, at_stop, short = joint_bounds(q, self._before, self.lower, self.upper, velocity,
-                                                 self._acceleration, dt_s, LIMIT_HORIZON * dt_s)
+                                                 self._acceleration, dt_s, self._horizon_s(dt_s))
         return {"joint_names": names, "q": q, "before": self._before, "X_BC": X_BC, "jacobian": jacobian,
                 "wanted": wanted, "low": low, "high": high, "at_stop": at_stop,
                 "short": tuple(name for name, late in zip(names, short) if late), "lower": self.lower,
@@ -222,22 +233,22 @@ class ArmMotion:
         inverted for the other joints. This is repeated until all joints keep their limits.
         Args: q_dot: (n,) that violates a limit.  joint: index of the joint that violates its limit most.
         """
-        horizon_s, names = LIMIT_HORIZON * dt_s, []
+        (down, up), names = self._end_speeds(q, dt_s), []
         held, others = np.zeros_like(q), np.ones_like(q)
         while joint is not None:
-            room = self.upper[joint] - q[joint] if q_dot[joint] > 0.0 else self.lower[joint] - q[joint]
-            held[joint] = room / horizon_s if room * q_dot[joint] > 0.0 else 0.0
+            held[joint] = up[joint] if q_dot[joint] > 0.0 else -down[joint]
             others[joint] = 0.0
             names.append(self._kinematics.joint_names[joint])
             inverse = self._invert(jacobian * others)
             q_dot = others * self.unlimited(q, twist - jacobian @ held, inverse)
-            _, joint = position_factor(q, q_dot, self.lower, self.upper, horizon_s)
+            _, joint = end_factor(q_dot, np.array([down, up]))
         q_dot = held + q_dot
         if self._accelerates:
             q_dot = accelerated(self._before, q_dot, self._acceleration * dt_s)
-        factor = velocity_factor(q_dot, self._kinematics.velocity)
-        factor = min(factor, position_factor(q, q_dot, self.lower, self.upper, dt_s)[0])
-        q_dot = self._before = q_dot * factor
+        q_dot = q_dot * velocity_factor(q_dot, self._kinematics.velocity)
+        # What brakes too late stops at once, each joint on its own: those that are beyond their ends stop no other.
+        q_dot = self._before = np.clip(q_dot, np.minimum(self.lower - q, 0.0) / dt_s,
+                                       np.maximum(self.upper - q, 0.0) / dt_s)
         text = f"at their limits, the others go on: {', '.join(names)}"
         return Motion(q_dot, jacobian @ q_dot, Status.JOINT_LIMIT, text)
 

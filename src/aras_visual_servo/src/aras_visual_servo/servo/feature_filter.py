@@ -60,6 +60,8 @@ class FeatureFilter:
         seen: whether the present look shows the target.
         features: those seen last, with points where they are foreseen.
         rate: (k,) of the features by the target's motion, in their units per second.
+        ahead: (k,) by how much the features that were answered are ahead of those of the image.
+        motion: (6,) of the camera in that time, [v; w] in its frame [m; rad].
     """
 
     def __init__(self, config: FilterSettings, features: FeatureSet, symmetric: bool) -> None:
@@ -76,7 +78,8 @@ class FeatureFilter:
         self._commands = deque(maxlen=COMMANDS)
         self._s: Any = None
         self._L = self._X_BC = self.features = self._seen_ns = None
-        self.rate, self.seen = np.zeros(len(self._set)), False
+        self.rate, self.ahead, self.motion = np.zeros(len(self._set)), np.zeros(len(self._set)), np.zeros(6)
+        self.seen = False
 
     def foresees(self, stamp_ns: int) -> bool:
         """Returns whether a look without the target at that time can be answered."""
@@ -148,6 +151,7 @@ class FeatureFilter:
             end = at_ns
             if at_ns <= begin:
                 break
+        self.motion, self.ahead = motion, self._L @ motion + latency_s * self.rate
         return tuple((self._s + self._L @ motion + latency_s * self.rate).tolist())
 
     def _with_points(self) -> Features:

@@ -10,7 +10,7 @@ References: T45, and F. Bensalah and F. Chaumette, IROS 1995 (targets that chang
 
 from dataclasses import dataclass
 from math import cos, sin
-from typing import Any, Sequence, Tuple
+from typing import TYPE_CHECKING, Any, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -20,6 +20,9 @@ from ..features.base import FeatureSet, View
 from ..spatial import exponential, inverse, rotation, rotation_vector
 from ..ground.types import FEATURE_NAMES, Reference
 from .stage import Stage, Tick
+
+if TYPE_CHECKING:  # it imports this file
+    from .feature_filter import FeatureFilter
 
 POSE_FEATURES = ("tx", "ty", "tz", "rx", "ry", "rz")
 #: A singular value of the interaction matrix at the goal below this part of the largest one is not inverted.
@@ -73,9 +76,10 @@ class TargetMotion(Stage):
         velocity: (3,) of the followed point in B [m/s].  turn: (3,) angular velocity in B [rad/s].
     """
 
-    def __init__(self, config: FeedForwardSettings, features: FeatureSet) -> None:
-        """Args: features: of the law."""
-        self._config, self._features = config, features
+    def __init__(self, config: FeedForwardSettings, features: FeatureSet,
+                 tracker: "Optional[FeatureFilter]" = None) -> None:
+        """Args: features: of the law.  tracker: foresees them, or None."""
+        self._config, self._features, self._tracker = config, features, tracker
         self._exact = features.names in (FEATURE_NAMES, POSE_FEATURES)
         self._point_G: Any = None
         self._to_go: Any = None
@@ -103,7 +107,9 @@ class TargetMotion(Stage):
         self.clear()
 
     def apply(self, tick: Tick) -> Tick:
-        tick.twist = tick.twist + self.twist(tick.stamp_ns, tick.X_BC, tick.answer.s, tick.answer.e)
+        tracker, answer = self._tracker, tick.answer
+        ahead, motion = (None, None) if tracker is None else (tracker.ahead, tracker.motion)
+        tick.twist = tick.twist + self.twist(tick.stamp_ns, tick.X_BC, answer.s, answer.e, ahead, motion)
         return tick
 
     def goal_and_point(self, s: Sequence[float], e: Sequence[float]) -> Tuple[np.ndarray, np.ndarray]:
@@ -121,13 +127,19 @@ class TargetMotion(Stage):
             X_CG = exponential(self._to_go @ np.array(e))
         return X_CG[:3, :3], X_CG[:3, :3] @ self._point_G + X_CG[:3, 3]
 
-    def twist(self, stamp_ns: int, X_BC: np.ndarray, s: Sequence[float], e: Sequence[float]) -> np.ndarray:
+    def twist(self, stamp_ns: int, X_BC: np.ndarray, s: Sequence[float], e: Sequence[float],
+              ahead: Optional[np.ndarray] = None, motion: Optional[np.ndarray] = None) -> np.ndarray:
         """Updates the estimate with one image. Returns V_C, (6,), of a camera that moves along with the target.
 
+        The estimate pairs the features of the image with the pose at the image. The twist is for the camera where the
+        features of the law are, which may be foreseen.
         Args: X_BC: (4, 4) pose of the camera at the image.  s, e: (k,) features and errors of the law.
+            ahead: (k,) by how much these are ahead of the image.  motion: (6,) of the camera in that time.
         """
         R_BC = X_BC[:3, :3]
-        R_CG, p_CP = self.goal_and_point(s, e)
+        _, foreseen_CP = R_CG, p_CP = self.goal_and_point(s, e)
+        if ahead is not None:
+            R_CG, p_CP = self.goal_and_point(np.array(s) - ahead, np.array(e) - ahead)
         point_B, R_BG = R_BC @ p_CP + X_BC[:3, 3], R_BC @ R_CG
         if self._last_ns is None:
             self._last_ns, self._point_B, self._R_BG = stamp_ns, point_B, R_BG
@@ -142,10 +154,12 @@ class TargetMotion(Stage):
         R_predicted = rotation(dt_s * self.turn) @ self._R_BG
         off = R_predicted @ rotation_vector(R_predicted.T @ R_BG)
         self._R_BG, self.turn = rotation(place * off) @ R_predicted, self.turn + rate * off
+        if motion is not None:
+            R_BC = R_BC @ rotation(motion[3:])
         w = self.turn @ R_BC
         if not self._features.sees_tilt:
             w[:2] = 0.0
-        (wx, wy, wz), (x, y, z) = w.tolist(), p_CP.tolist()
+        (wx, wy, wz), (x, y, z) = w.tolist(), foreseen_CP.tolist()
         vx, vy, vz = (self.velocity @ R_BC).tolist()  # of the point; the camera's origin has v - w x p_CP
         twist = [vx - wy * z + wz * y, vy - wz * x + wx * z, vz - wx * y + wy * x, wx, wy, wz]
         return self._config.part * np.array(twist)

@@ -45,7 +45,7 @@ def make_stages(goal: Goal, arm: ArmMotion, config: ServoSettings, start_ns: int
     ]
     last: List[Any] = [moves] if looks else [
         calms and Calm(arrival.rule, config.tilt_gain_per_s),
-        config.feed_forward and TargetMotion(config.feed_forward, goal.features),
+        config.feed_forward and TargetMotion(config.feed_forward, goal.features, tracker),
         JointPlace(arm),
         arrival.holds_tilt and Tilt(arm, config.tilt_gain_per_s),
         config.visibility and Visibility(config.visibility),

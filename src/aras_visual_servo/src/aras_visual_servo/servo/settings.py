@@ -86,10 +86,11 @@ class ServoSettings(LawSetup):
         2.0, unit="m/s^2, rad/s^2", above=0, help="look_then_move: acceleration of the moves.")
     inverse: InverseSettings = setting(InverseSettings(), help="From the twist of the camera to joint velocities.")
     null_space: NullSpaceSettings = setting(NullSpaceSettings(), help="Motion that leaves the camera where it is.")
-    limits: LimitsSettings = setting(LimitsSettings(), help="Limits that are tighter than those of the URDF.")
+    limits: LimitsSettings = setting(
+        LimitsSettings(), help="Limits that are tighter than those of the URDF; mode `continuous` only.")
     joint_limit_margin: float = setting(0.01, unit="m, rad", at_least=0, help="Kept to the limit of every joint.")
     visibility: Optional[VisibilitySettings] = setting(
-        None, help="The object is kept in a view of this size (T43; 55 us).")
+        None, help="The object is kept in a view of this size (T43; 55 us); mode `continuous` only.")
     feed_forward: Optional[FeedForwardSettings] = setting(
         None, help="The estimated motion of the target is fed forward (T45); mode `continuous` only.")
     filter: Optional[FilterSettings] = setting(
@@ -170,8 +171,8 @@ class ServoSettings(LawSetup):
             return
         if law is not None and law.continuous_only:
             yield f"mode: found look_then_move, allowed with law '{self.law}': continuous"
-        for key in ("filter", "feed_forward", "track", "stages"):
-            if getattr(self, key):
+        for key in ("filter", "feed_forward", "track", "stages", "visibility", "limits"):
+            if getattr(self, key) and getattr(self, key) != getattr(ServoSettings, key):
                 yield f"{key}: found with mode: look_then_move, allowed with mode: continuous"
         for name, gain in zip(names, self.gains_per_s):
             if gain * self.sample_time_s >= 2.0:

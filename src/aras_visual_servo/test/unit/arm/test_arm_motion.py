@@ -8,11 +8,13 @@ from bench import Bench, config, DT_S
 from toy_plant import arm, GOAL, START
 
 from aras_visual_servo import ParameterError, Servo, ServoSettings, Status, View
-from aras_visual_servo.arm.motion import ArmMotion
+from aras_visual_servo.arm.motion import ArmMotion, LAG_S, LIMIT_HORIZON
 from aras_visual_servo.features.interaction import centroid
 from aras_visual_servo.servo.visibility import keep_in_view, VisibilitySettings
 
 ACCELERATION = 2.0
+#: A joint may use up its room in this time [s].
+HORIZON_S = LIMIT_HORIZON * DT_S + LAG_S
 STILL = {"posture_gain_per_s": 0.0, "joint_limit_gain_per_s": 0.0}
 #: As in the scenario `redundant`: next to the gantry's stop, room in J1 only.
 EDGE_GOAL = {"gantry": 1.42, "J1": 0.0, "J2": 0.9, "J3": -0.5, "J5": -0.4, "J6": 0.0}
@@ -167,6 +169,19 @@ def test_faults_of_the_sections_are_named(bad, word):
         Servo(arm(), config(**bad))
 
 
+@pytest.mark.parametrize("beyond_m", [-0.001, 0.0, 0.002, 0.005])
+@pytest.mark.parametrize("at_limits", ["saturate", "scale"])
+def test_a_joint_at_its_margin_under_an_acceleration_limit_does_not_stop_the_others(beyond_m, at_limits):
+    edge = float(arm().upper[arm().joint_names.index("gantry")]) - 0.01
+    bench = BentBench(EDGE_GOAL, {**EDGE_START, "gantry": edge + beyond_m}, time_limit_s=8.0,
+                      inverse={"at_limits": at_limits},
+                      limits={"joint_acceleration": dict.fromkeys(GOAL, 5.0)})
+    last = bench.run()
+    assert last.status == Status.CONVERGED or "gantry" in last.status_text
+    if at_limits == "saturate":
+        bench.assert_at_goal()
+
+
 def test_a_joint_with_little_room_uses_it_and_the_others_make_up_for_the_rest():
     kinematics = arm()
     setup = ServoSettings.from_dict(config(inverse={"at_limits": "saturate"}, null_space=STILL), kinematics.joint_names)
@@ -175,7 +190,7 @@ def test_a_joint_with_little_room_uses_it_and_the_others_make_up_for_the_rest():
     twist = kinematics.jacobian(q) @ kinematics.vector(
         {"gantry": 0.3, "J1": 0.05, "J2": 0.0, "J3": 0.0, "J5": 0.0, "J6": 0.1})
     gantry = kinematics.joint_names.index("gantry")
-    q[gantry] = motion.upper[gantry] - 0.1 * 2.0 * DT_S  # room for 0.1 m/s over the two periods looked ahead
+    q[gantry] = motion.upper[gantry] - 0.1 * HORIZON_S  # room for 0.1 m/s
     found = motion.joint_velocity(q, twist, *motion.at(q), DT_S)
     assert found.status == Status.JOINT_LIMIT and "gantry" in found.text
     assert found.q_dot[gantry] == pytest.approx(0.1, rel=1e-9)
@@ -212,7 +227,7 @@ def test_a_joint_at_either_limit_moves_no_further_than_its_room(side, room):
         {"gantry": sign * 0.3, "J1": 0.05, "J2": 0.0, "J3": 0.0, "J5": 0.0, "J6": 0.1})
     found = motion.joint_velocity(q, twist, *motion.at(q), DT_S)
     assert found.status == Status.JOINT_LIMIT and "gantry" in found.text
-    assert found.q_dot[gantry] == pytest.approx(sign * room / (2.0 * DT_S), abs=1e-12)  # two periods are looked ahead
+    assert found.q_dot[gantry] == pytest.approx(sign * room / HORIZON_S, abs=1e-12)
     assert np.abs(np.delete(found.q_dot, gantry)).max() > 0.01
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from aras_visual_servo import accelerated, position_factor, velocity_factor
 from aras_visual_servo.arm.motion import Chatter
-from aras_visual_servo.arm.limits import braking_factor, joint_bounds, limit_factors
+from aras_visual_servo.arm.limits import end_factor, end_speeds, joint_bounds, limit_factors
 
 ROUNDING = 1e-15  # of one division
 LOWER, UPPER = np.array([-1.0, -np.inf]), np.array([1.0, np.inf])
@@ -73,11 +73,15 @@ def test_each_limit_of_a_joint_holds_on_its_own_side(sign):
 def test_a_joint_brakes_before_either_limit(sign):
     lower, upper = (np.array([-1.0]), np.array([50.0])) if sign < 0.0 else (np.array([-50.0]), np.array([1.0]))
     q, q_dot, most, dt_s = sign * np.array([0.9]), sign * np.array([3.0]), np.array([2.0]), 0.1
-    speed = 3.0 * braking_factor(q, q_dot, lower, upper, most, dt_s)
+
+    def factor(q, q_dot, most):
+        return end_factor(q_dot, end_speeds(q, lower, upper, most, dt_s, 0.01))
+
+    speed = 3.0 * factor(q, q_dot, most)[0]
     assert speed * dt_s + speed**2 / (2.0 * 2.0) == pytest.approx(0.1, rel=1e-12)
-    assert braking_factor(q, -q_dot, lower, upper, most, dt_s) == 1.0
-    assert braking_factor(sign * np.array([1.2]), q_dot, lower, upper, most, dt_s) == 0.0
-    assert braking_factor(q, q_dot, lower, upper, np.array([np.inf]), dt_s) == 1.0
+    assert factor(q, -q_dot, most) == (1.0, None)
+    assert factor(sign * np.array([1.2]), q_dot, most) == (0.0, 0)
+    assert factor(q, q_dot, np.array([np.inf])) == (1.0, None)
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])

@@ -117,6 +117,17 @@ def test_latency_that_makes_the_plain_loop_swing_is_compensated():
     assert np.abs(calm.errors()[-20:]).max() < 0.02 * np.abs(calm.errors()[0]).max()
 
 
+@pytest.mark.parametrize("late", [1, 2, 6])
+def test_the_camera_s_own_motion_in_the_latency_is_not_fed_forward_as_motion_of_the_target(late):
+    more = {"filter": {"latency_s": late * 1e-9 * PERIOD_NS}, "track": True}
+    alone, together = Outages(late=late, **more), Outages(late=late, feed_forward={}, **more)
+    for _ in range(150):
+        alone.step()
+        together.step()
+    first = np.abs(together.errors()[0]).max()
+    assert np.abs(together.errors()[-30:]).max() < max(0.01 * first, 2.0 * np.abs(alone.errors()[-30:]).max())
+
+
 def test_dropped_images_are_gone_over_with_the_time_that_has_passed():
     bench = Outages(dropped=range(6, 60, 2), filter={})
     for _ in range(60):
