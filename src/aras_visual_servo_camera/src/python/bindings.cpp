@@ -83,7 +83,8 @@ py::class_<Extractor> bindExtractor(py::module_& module, const char* name, const
                                     Settings (*read)(const YAML::Node&), const Docs& docs) {
   const std::string file = section.substr(section.rfind('.') + 1);
   const std::string init_doc = R"(Args:
-    camera_info: dict with width, height, K (9), D, distortion_model, as sensor_msgs/CameraInfo.
+    camera_info: dict with width, height, K (9), D, distortion_model, as sensor_msgs/CameraInfo. With binning_x,
+        binning_y or roi these are of the whole sensor, and images have the size that is read out.
     config: the section `)" + section +
                                "` of a scenario, see schema/" + file + R"(.yaml of this package.
 Raises:
@@ -92,7 +93,8 @@ Raises:
       docs.process + R"(
 
 Args:
-    image: uint8, shape (h, w) grey, (h, w, 3) rgb or (h, w, 4) rgba, or uint16 of the first two, rows contiguous.
+    image: uint8 or uint16, shape (h, w) grey, (h, w, 3) rgb or (h, w, 4) rgba, rows contiguous. Of uint16 white is the
+        largest value of 8, 10, 12, 14 or 16 bits, whichever are enough for the images so far.
     stamp_ns: of the image; with one, `teach` finds it while it is among the last 32.
 )" +
       (with_depth
@@ -109,6 +111,16 @@ Args:
            }),
            py::arg("camera_info"), py::arg("config") = py::dict(), init_doc.c_str())
       .def("clear_reference", &Extractor::clearReference)
+      .def(
+          "set_camera_info",
+          [](Extractor& self, const py::dict& camera_info) {
+            self.setIntrinsics(readCameraInfo(aras_visual_servo_common::yamlFromPython(camera_info, "camera_info")));
+          },
+          py::arg("camera_info"),
+          R"(Take a camera with another lens, zoom or size, as after autofocus. The reference stays.
+
+Where a photometric reference cannot be compared any more, features say so in `fault` and are not valid.
+Raises ParameterError: every fault of camera_info, one per line.)")
       .def_property_readonly("features", &Extractor::features, py::return_value_policy::copy, "Of the last image.");
   if constexpr (with_depth) {
     extractor.def(
@@ -182,6 +194,8 @@ features: MomentFeatures or the ROS message. Raises DegenerateFeature if it is n
 Raises ParameterError: it is not among the last 32 images; DegenerateFeature: its features are not valid.)")
       .def("forget_previous", &MomentExtractor::forgetPrevious,
            "Use nothing of earlier images (after a reset of time); the reference stays.")
+      .def_property_readonly("white", &MomentExtractor::white,
+                             "Value of uint16 that counted as white in the last image of that type; 0 before one.")
       .def_property_readonly("converted_image", &convertedImage,
                              "What the moments saw of the last image: (h, w) uint8, weights 0..255; a copy.");
 }
@@ -194,7 +208,7 @@ void bindGoalImages(py::module_& module) {
        "PhotometricFeatures; an image without contrast is a value (target_visible False), not an error."});
   bindGoalImage(
       photometric,
-      "Raises DegenerateFeature (nothing to servo on in it), ParameterError, ShapeError; there is no reference then.");
+      "Raises DegenerateFeature (nothing to servo on in it), ParameterError, ShapeError; the reference stays then.");
   photometric.def(
       "set_reference",
       [](PhotometricExtractor& self, const py::array& image, const std::array<double, 3>& plane) {
@@ -207,16 +221,27 @@ void bindGoalImages(py::module_& module) {
        "Features of one image, relative to the goal image.",
        "MatchFeatures; too few matches are a value (valid False, the reason in fault), not an error."});
   bindGoalImage(matches,
-                "Raises DegenerateFeature (too few keypoints), ParameterError, ShapeError; there is no goal then.");
+                "Raises DegenerateFeature (too few keypoints), ParameterError, ShapeError; the goal stays then.");
   auto tag = bindExtractor<TagExtractor, false>(
       module, "TagExtractor", "vision.tag", readTagConfig,
       {"Image in, corners and pose of one AprilTag out. Same images, same bits.",
        "Features of one image, relative to the goal image.",
        "TagFeatures; a tag that is not found is a value (valid False, the reason in fault), not an error."});
-  bindGoalImage(tag, "Raises DegenerateFeature (no tag), ParameterError, ShapeError; there is no goal then.");
+  bindGoalImage(tag, "Raises DegenerateFeature (no tag), ParameterError, ShapeError; the goal stays then.");
 }
 
 }  // namespace
+
+/** A camera_info whose K, width and height are those of the images. */
+py::dict imageInfo(const py::dict& camera_info) {
+  const CameraIntrinsics image = readCameraInfo(aras_visual_servo_common::yamlFromPython(camera_info, "camera_info"));
+  py::dict out = camera_info.attr("copy")();
+  for (const char* key : {"binning_x", "binning_y", "roi"}) out.attr("pop")(key, py::none());
+  out["width"] = image.width();
+  out["height"] = image.height();
+  out["K"] = std::vector<double>{image.fx(), 0.0, image.cx(), 0.0, image.fy(), image.cy(), 0.0, 0.0, 1.0};
+  return out;
+}
 
 PYBIND11_MODULE(_camera, module) {
   module.doc() = "C++ core of aras_visual_servo_camera.";
@@ -224,14 +249,23 @@ PYBIND11_MODULE(_camera, module) {
   bindAllFeatures(module);
   bindMoments(module);
   bindGoalImages(module);
+  module.def("image_info", &imageInfo, py::arg("camera_info"),
+             R"(The camera_info of the images themselves, for code that knows neither binning nor regions of interest.
+
+Args:
+    camera_info: dict as the extractors take it.
+Returns:
+    A new dict in which width, height and K are those of the images, without binning_x, binning_y and roi.
+Raises:
+    ParameterError: every fault of camera_info, one per line.)");
   module.def("in_rgb", &inRgb, py::arg("image"), py::arg("encoding"),
              R"(The image of a camera as the extractors take it.
 
 Args:
     image: as the camera gives it.  encoding: of sensor_msgs/image_encodings.h.
 Returns:
-    The same array; of bgr8 and of the four Bayer patterns of 8 bits, whose missing colours are interpolated linearly, a
-    new one of rgb8, (h, w, 3) uint8.
+    The same array of grey, rgb and rgba; else a new one of rgb in the same depth, (h, w, 3) uint8 or uint16. The missing
+    colours of Bayer patterns and of yuv422 are interpolated linearly.
 Raises:
     ShapeError: an encoding that the extractors do not take, or an image that does not have its shape and type.)");
 }

@@ -2,7 +2,9 @@
 
 #include <pybind11/stl.h>
 
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "aras_visual_servo_camera/config/errors.hpp"
 #include "aras_visual_servo_camera/extraction/overlay.hpp"
@@ -11,26 +13,29 @@ namespace py = pybind11;
 
 namespace aras_visual_servo_camera {
 
-ImageView viewOf(const py::array& image) {
-  const bool grey = image.ndim() == 2;
-  const bool colour = image.ndim() == 3 && (image.shape(2) == 3 || image.shape(2) == 4);
-  const bool deep = py::isinstance<py::array_t<std::uint16_t>>(image) && (grey || image.shape(2) == 3);
-  if (!(deep || py::isinstance<py::array_t<std::uint8_t>>(image)) || !(grey || colour))
-    throw ShapeError("image: found " + std::string(py::str(image.attr("dtype"))) + " of shape " +
-                     std::string(py::str(image.attr("shape"))) +
-                     ", allowed uint8 of shape (h, w), (h, w, 3) or (h, w, 4), or uint16 of the first two");
-  const py::ssize_t size = image.itemsize(), depth = (grey ? 1 : image.shape(2)) * size;
+ImageView viewOf(const py::array& image, std::optional<PixelFormat> format) {
+  const py::ssize_t values = image.ndim() == 2 ? 1 : image.ndim() == 3 ? image.shape(2) : 0;
+  const bool deep = py::isinstance<py::array_t<std::uint16_t>>(image);
+  const bool bytes = py::isinstance<py::array_t<std::uint8_t>>(image);
+  const std::string found = "image: found " + std::string(py::str(image.attr("dtype"))) + " of shape " +
+                            std::string(py::str(image.attr("shape")));
+  if (!format) {
+    if (!(deep || bytes) || !(values == 1 || values == 3 || values == 4))
+      throw ShapeError(found + ", allowed uint8 or uint16 of shape (h, w), (h, w, 3) or (h, w, 4)");
+    format = values == 1   ? (deep ? PixelFormat::kMono16 : PixelFormat::kMono8)
+             : values == 3 ? (deep ? PixelFormat::kRgb16 : PixelFormat::kRgb8)
+                           : (deep ? PixelFormat::kRgba16 : PixelFormat::kRgba8);
+  } else if (values != channels(*format) || !(isDeep(*format) ? deep : bytes)) {
+    throw ShapeError(found + ", allowed " + (isDeep(*format) ? "uint16" : "uint8") + " of " +
+                     std::to_string(channels(*format)) + " values a pixel");
+  }
+  const py::ssize_t size = image.itemsize(), depth = values * size;
   const bool rows_contiguous = image.shape(1) <= 1 || image.strides(1) == depth;
-  const bool odd = image.strides(0) % size != 0;
-  if (!rows_contiguous || (colour && image.strides(2) != size) || image.strides(0) < image.shape(1) * depth || odd)
+  if (!rows_contiguous || (values > 1 && image.strides(2) != size) || image.strides(0) < image.shape(1) * depth)
     throw ShapeError("image: found strides " + std::string(py::str(image.attr("strides"))) +
                      ", allowed contiguous rows (numpy.ascontiguousarray)");
-  const PixelFormat format = grey         ? (deep ? PixelFormat::kMono16 : PixelFormat::kMono8)
-                             : deep       ? PixelFormat::kRgb16
-                             : depth == 3 ? PixelFormat::kRgb8
-                                          : PixelFormat::kRgba8;
   return {static_cast<const std::uint8_t*>(image.data()), static_cast<int>(image.shape(1)),
-          static_cast<int>(image.shape(0)), static_cast<std::size_t>(image.strides(0)), format};
+          static_cast<int>(image.shape(0)), static_cast<std::size_t>(image.strides(0)), *format};
 }
 
 DepthView depthOf(const py::array& depth) {
@@ -46,14 +51,11 @@ DepthView depthOf(const py::array& depth) {
 }
 
 py::array inRgb(const py::array& image, const std::string& encoding) {
-  const PixelFormat format = formatNamed(encoding);
-  ImageView view = viewOf(image);
-  if (channels(format) != channels(view.format) || isDeep(format) != isDeep(view.format))
-    throw ShapeError("image: found " + std::string(py::str(image.attr("dtype"))) + " of shape " +
-                     std::string(py::str(image.attr("shape"))) + ", allowed that of " + encoding);
-  if (format != PixelFormat::kBgr8 && !isBayer(format)) return image;
-  view.format = format;
-  py::array_t<std::uint8_t> out({view.height_px, view.width_px, 3});
+  const PixelFormat format = formatNamed(encoding), layout = shallow(format);
+  const ImageView view = viewOf(image, format);
+  if (layout == PixelFormat::kMono8 || layout == PixelFormat::kRgb8 || layout == PixelFormat::kRgba8) return image;
+  const std::vector<py::ssize_t> shape{view.height_px, view.width_px, 3};
+  py::array out = isDeep(format) ? py::array(py::array_t<std::uint16_t>(shape)) : py::array_t<std::uint8_t>(shape);
   toRgb(view, out.mutable_data());
   return out;
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <aras_visual_servo_common/ros/yaml_from_xmlrpc.hpp>
+#include <aras_visual_servo_common/text.hpp>
 
 #include "aras_visual_servo_camera/config/errors.hpp"
 #include "aras_visual_servo_camera/extraction/overlay.hpp"
@@ -12,12 +13,14 @@
 namespace aras_visual_servo_camera {
 namespace {
 
+using aras_visual_servo_common::numberText;
+
 constexpr int kQueue = 100;                    // images that may wait: none is dropped in normal running
 constexpr std::uint32_t kFeatureQueue = 1000;  // messages: a listener that hesitates for seconds loses nothing
 constexpr std::chrono::seconds kThrottlePeriod{10};
-constexpr std::size_t kKeptDepths = 32;  // depth images whose images have not come
 constexpr double kDepthPeriod_s = 0.05;  // wall time between looks at images that wait for depth
 constexpr double kReportPeriod_s = 2.0;  // wall time without a pair after which the cause is reported
+constexpr int kReportsOfLosses = 5;      // so many of these until losses are reported
 
 sensor_msgs::Image emptyImage(const std_msgs::Header& header, const ImageView& view, const std::string& encoding,
                               int bytes_per_pixel) {
@@ -51,6 +54,16 @@ void publishFeatures(const std::unique_ptr<Extractor>& extractor, const std_msgs
   publisher.publish(message);
 }
 
+/** Makes an extractor, or tells it that its camera has changed. */
+template <typename Extractor, typename Settings>
+void useIn(const CameraIntrinsics& intrinsics, const Settings& settings, std::unique_ptr<Extractor>* extractor) {
+  if (!*extractor) {
+    *extractor = std::make_unique<Extractor>(intrinsics, settings);
+  } else if (!((*extractor)->intrinsics() == intrinsics)) {
+    (*extractor)->setIntrinsics(intrinsics);
+  }
+}
+
 std::int64_t nanoseconds(const ros::Time& stamp) { return static_cast<std::int64_t>(stamp.toNSec()); }
 
 }  // namespace
@@ -63,50 +76,9 @@ void Throttle::error(const std::string& text) {
   ROS_ERROR_STREAM("camera_node: " << text);
 }
 
-std::deque<DepthPairing::Image>::const_iterator DepthPairing::depthOf(const Waiting& waiting) const {
-  return std::find_if(depths_.begin(), depths_.end(),
-                      [&](const Image& depth) { return depth->header.stamp == waiting.image->header.stamp; });
-}
-
-bool DepthPairing::isOverdue(Clock::time_point now) const {
-  return !coming_ || now - waiting_.front().since > kPatience ||
-         std::any_of(waiting_.begin() + 1, waiting_.end(),
-                     [&](const Waiting& later) { return depthOf(later) != depths_.end(); });
-}
-
-void DepthPairing::addImage(const Image& image, const Info& info, Clock::time_point now) {
-  waiting_.push_back({image, info, now});
-  look(now);
-}
-
-void DepthPairing::addDepth(const Image& depth, Clock::time_point now) {
-  coming_ = true;
-  if (!depths_.empty() && depth->header.stamp < depths_.back()->header.stamp) depths_.clear();  // time went back
-  if (depths_.size() == kKeptDepths) depths_.pop_front();
-  depths_.push_back(depth);
-  look(now);
-}
-
-void DepthPairing::look(Clock::time_point now) {
-  while (!waiting_.empty()) {
-    const auto found = depthOf(waiting_.front());
-    Image depth;
-    if (found != depths_.end()) {
-      depth = *found;
-      depths_.erase(depths_.begin(), found + 1);
-    } else if (!isOverdue(now)) {
-      return;
-    } else if (now - waiting_.front().since > kPatience) {
-      coming_ = false;
-    }
-    const Waiting first = waiting_.front();
-    waiting_.pop_front();
-    hand_on_(first.image, first.info, depth);
-  }
-}
-
 CameraNode::CameraNode(ros::NodeHandle node, const ros::NodeHandle& private_node)
-    : config_(readParameters(node, private_node)), synchronizer_(kQueue) {
+    : config_(readParameters(node, private_node)),
+      pairs_(ros::Duration(config_.camera_info_slop_s), [this](const auto& image, const auto& info) { onPair(image, info); }) {
   features_pub_ = node.advertise<aras_visual_servo_msgs::MomentFeatures>("camera/features", kFeatureQueue);
   if (config_.photometric)
     photometric_pub_ = node.advertise<aras_visual_servo_msgs::PhotometricFeatures>("camera/photometric", kQueue);
@@ -116,9 +88,24 @@ CameraNode::CameraNode(ros::NodeHandle node, const ros::NodeHandle& private_node
   converted_pub_ = node.advertise<Image>("camera/converted_image", kQueue);
   overlay_pub_ = node.advertise<Image>("camera/overlay", kQueue);
   reference_service_ = node.advertiseService("camera/set_reference", &CameraNode::onSetReference, this);
+  subscribe(node, private_node);
+  timer_ = node.createWallTimer(ros::WallDuration(kReportPeriod_s), &CameraNode::reportUnpaired, this);
+}
+
+void CameraNode::subscribe(ros::NodeHandle node, const ros::NodeHandle& private_node) {
   const ros::TransportHints hints = ros::TransportHints().tcpNoDelay();
-  info_sub_.subscribe(node, "camera/camera_info", kQueue, hints);
-  image_sub_.subscribe(node, "camera/image_raw", kQueue, hints);
+  info_sub_ = node.subscribe<CameraInfo>(
+      "camera/camera_info", kQueue, [this](const sensor_msgs::CameraInfoConstPtr& info) { pairs_.addInfo(info); },
+      ros::VoidConstPtr(), hints);
+  const image_transport::TransportHints transport("raw", hints, private_node);
+  try {
+    image_sub_ = image_transport::ImageTransport(node).subscribe(
+        "camera/image_raw", kQueue, [this](const sensor_msgs::ImageConstPtr& image) { pairs_.addImage(image); },
+        ros::VoidPtr(), transport);
+  } catch (const image_transport::Exception& error) {
+    throw ParameterError(private_node.resolveName("image_transport") + ": found " + transport.getTransport() +
+                         ", allowed raw and the transports installed here: " + error.what());
+  }
   if (config_.depth || (config_.matches && config_.matches->depth)) {
     depths_ = std::make_unique<DepthPairing>(
         [this](const auto& image, const auto& info, const auto& depth) { process(image, info, depth); });
@@ -130,41 +117,37 @@ CameraNode::CameraNode(ros::NodeHandle node, const ros::NodeHandle& private_node
       depths_->look(DepthPairing::Clock::now());
     });
   }
-  synchronizer_.connectInput(image_sub_, info_sub_);
-  synchronizer_.registerCallback(&CameraNode::onPair, this);
-  image_sub_.registerCallback([this](const sensor_msgs::ImageConstPtr&) { ++images_since_report_; });
-  info_sub_.registerCallback([this](const sensor_msgs::CameraInfoConstPtr&) { ++infos_since_report_; });
-  timer_ = node.createWallTimer(ros::WallDuration(kReportPeriod_s), &CameraNode::reportUnpaired, this);
 }
 
 void CameraNode::reportUnpaired(const ros::WallTimerEvent&) {
-  if (images_since_report_ > 0 && pairs_since_report_ == 0) {
-    throttle_.error(infos_since_report_ == 0
+  const InfoPairing::Counts& counts = pairs_.counts();
+  if (++quiet_reports_ < kReportsOfLosses && (counts.images == 0 || counts.pairs > 0)) return;
+  const std::string remedy =
+      " (allowed are stamps up to vision.camera_info_slop_s apart, " + numberText(config_.camera_info_slop_s) + " s)";
+  if (counts.images > 0 && counts.pairs == 0) {
+    throttle_.error(counts.infos == 0
                         ? "no features: images arrive on " + image_sub_.getTopic() + ", but no intrinsics on " +
                               info_sub_.getTopic()
-                        : "no features: no camera_info carries the stamp of an image (both must be equal)");
+                        : "no features: no camera_info carries the stamp of an image" + remedy);
+  } else if (counts.lost > 0) {
+    throttle_.error("images and camera_info pair only in part: of " + std::to_string(counts.images) + " images and " +
+                    std::to_string(counts.infos) + " camera_infos in " + std::to_string(quiet_reports_ * 2) + " s, " +
+                    std::to_string(counts.pairs) + " became pairs and " + std::to_string(counts.lost) +
+                    " images gave no features, for want of a camera_info of their stamp" + remedy);
   }
-  images_since_report_ = infos_since_report_ = pairs_since_report_ = 0;
+  quiet_reports_ = 0;
+  pairs_.resetCounts();
 }
 
 void CameraNode::useIntrinsics(const CameraInfo& info) {
   const CameraIntrinsics intrinsics = toIntrinsics(info);
-  if (!extractor_) {
-    extractor_ = std::make_unique<MomentExtractor>(intrinsics, config_);
-  } else if (!(extractor_->intrinsics() == intrinsics)) {
-    extractor_->setIntrinsics(intrinsics);
-    photometric_.reset();
-    matches_.reset();
-    tag_.reset();
-  }
-  if (config_.photometric && !photometric_)
-    photometric_ = std::make_unique<PhotometricExtractor>(intrinsics, *config_.photometric);
-  if (config_.matches && !matches_) matches_ = std::make_unique<MatchExtractor>(intrinsics, *config_.matches);
-  if (config_.tag && !tag_) tag_ = std::make_unique<TagExtractor>(intrinsics, *config_.tag);
+  useIn(intrinsics, config_, &extractor_);
+  if (config_.photometric) useIn(intrinsics, *config_.photometric, &photometric_);
+  if (config_.matches) useIn(intrinsics, *config_.matches, &matches_);
+  if (config_.tag) useIn(intrinsics, *config_.tag, &tag_);
 }
 
 void CameraNode::onPair(const sensor_msgs::ImageConstPtr& image, const sensor_msgs::CameraInfoConstPtr& info) {
-  ++pairs_since_report_;
   if (depths_) {
     depths_->addImage(image, info, DepthPairing::Clock::now());
   } else {
@@ -189,7 +172,11 @@ void CameraNode::process(const sensor_msgs::ImageConstPtr& image, const sensor_m
     if (image->header.stamp < last_stamp_) extractor_->forgetPrevious();  // the simulator was reset
     const ImageView view = toView(*image);
     const std::optional<DepthView> depth = depthOf(depth_image);
+    const int white = extractor_->white();
     extractor_->process(view, nanoseconds(image->header.stamp), depth ? &*depth : nullptr);
+    if (extractor_->white() != white)
+      ROS_INFO_STREAM("camera_node: in images of " << image->encoding << " " << extractor_->white()
+                                                   << " counts as white, the most that its values so far need");
     if (photometric_) photometric_->process(view, nanoseconds(image->header.stamp));
     if (matches_) matches_->process(view, nanoseconds(image->header.stamp), depth ? &*depth : nullptr);
     if (tag_) tag_->process(view, nanoseconds(image->header.stamp));
@@ -214,7 +201,9 @@ void CameraNode::publish(const Image& image, const ImageView& view) {
   }
   if (overlay_pub_.getNumSubscribers() > 0) {
     Image overlay = emptyImage(image.header, view, sensor_msgs::image_encodings::RGB8, 3);
-    overlay.data = drawOverlay(view, extractor_->mask(), extractor_->features(), extractor_->intrinsics());
+    ImageView shown = view;
+    if (extractor_->white() > 0) shown.white = extractor_->white();
+    overlay.data = drawOverlay(shown, extractor_->mask(), extractor_->features(), extractor_->intrinsics());
     overlay_pub_.publish(overlay);
   }
 }
@@ -231,14 +220,28 @@ void CameraNode::setReference(const aras_visual_servo_msgs::SetReference::Reques
   }
   const ros::Time stamp = by_stamp ? request.stamp : last_stamp_;
   const std::int64_t stamp_ns = nanoseconds(stamp);
-  if (photometric_) photometric_->teach(stamp_ns, request.z_star_m);
-  if (matches_) matches_->teach(stamp_ns, request.z_star_m);
-  if (tag_) tag_->teach(stamp_ns, request.z_star_m);
+  // All of them or none: an extractor that refuses leaves its own reference as it was.
+  std::vector<std::function<void()>> undo;
+  const auto teach = [&](const auto& extractor) {
+    if (!extractor) return;
+    auto back = extractor->undo();
+    extractor->teach(stamp_ns, request.z_star_m);
+    undo.push_back(std::move(back));
+  };
   try {
-    extractor_->teach(stamp_ns, request.z_star_m);
-  } catch (const DegenerateFeature& error) {
-    if (!photometric_ && !matches_ && !tag_) throw;
-    response->message = std::string("without moments: ") + error.what();
+    teach(photometric_);
+    teach(matches_);
+    teach(tag_);
+    try {
+      extractor_->teach(stamp_ns, request.z_star_m);
+    } catch (const DegenerateFeature& error) {
+      if (undo.empty()) throw;
+      extractor_->clearReference();  // of another view
+      response->message = std::string("without moments: ") + error.what();
+    }
+  } catch (const ArasError&) {
+    for (const auto& back : undo) back();
+    throw;
   }
   response->stamp = stamp;
 }

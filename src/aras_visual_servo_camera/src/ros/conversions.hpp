@@ -16,11 +16,10 @@
 
 namespace aras_visual_servo_camera {
 
-/** @throws ParameterError if the camera is not calibrated, binned or cropped */
+/** @throws ParameterError  see intrinsicsOf */
 CameraIntrinsics toIntrinsics(const sensor_msgs::CameraInfo& info);
 
-/** A view into the message. @throws ShapeError for an encoding that formatNamed refuses, 16 bits with the upper
- *  byte first, or too few bytes */
+/** A view into the message. @throws ShapeError for an encoding that formatNamed refuses, or too few bytes */
 ImageView toView(const sensor_msgs::Image& image);
 
 /** A view into a depth image. @throws ShapeError for an encoding other than 32FC1 and 16UC1, upper bytes first, or too

@@ -45,20 +45,22 @@ class PhotometricNodeTest(FeatureNodeTest):
         self.assertGreater(self.answer_to(texture(160, 120, 2.0)).rms, 1.0)
 
     def test_a_blank_image_is_refused_as_reference_with_the_reason(self):
+        before = self.answer_to(texture(160, 120)).reference_stamp_ns
         blank = self.answer_to(np.full((120, 160), 90, np.uint8))
         self.assertFalse(blank.valid or blank.target_visible)
         self.assertIn("contrast", blank.fault)
         answer = self.set_reference(z_star_m=0.5, from_current_view=True)
         self.assertFalse(answer.success)
         self.assertIn("standard deviation", answer.message)
-        self.assertFalse(self.answer_to(texture(160, 120)).has_reference)
+        self.assertEqual(self.answer_to(texture(160, 120)).reference_stamp_ns, before)
 
-    def test_a_camera_of_another_size_has_no_reference(self):
+    def test_a_camera_that_sees_more_than_the_reference_says_so(self):
         self.answer_to(texture(160, 120))
         self.assertTrue(self.set_reference(z_star_m=0.5, from_current_view=True).success)
-        other = self.answer_to(texture(80, 60))
-        self.assertTrue(other.valid)
-        self.assertFalse(other.has_reference)
+        wider = self.answer_to(texture(200, 120))
+        self.assertFalse(wider.valid or wider.has_reference)
+        self.assertIn("teach it again", wider.fault)
+        self.assertEqual(self.answer_to(texture(160, 120)).rms, 0.0)
 
     def test_bad_depth_is_refused(self):
         self.answer_to(texture(160, 120))

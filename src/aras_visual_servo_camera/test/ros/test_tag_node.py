@@ -8,9 +8,10 @@ import numpy as np
 import rospy
 import rostest
 from aras_visual_servo_camera import TagExtractor
-from aras_visual_servo_msgs.msg import TagFeatures
+from aras_visual_servo_msgs.msg import PhotometricFeatures, TagFeatures
 
 from feature_node import FeatureNodeTest
+from test_camera_node import wait_until
 
 SIZE = (320, 240)
 SIDE_PX, SIDE_M, NUMBER = 80, 0.2, 7
@@ -33,7 +34,7 @@ class TagNodeTest(FeatureNodeTest):
 
     def test_a_view_becomes_the_goal_and_the_tag_follows_the_image_as_it_does_in_process(self):
         view = self.answer_to(with_tags((LEFT, TOP)))
-        self.assertTrue(view.valid and view.target_visible and not view.has_reference, view.fault)
+        self.assertTrue(view.valid and view.target_visible, view.fault)
         self.assertEqual((view.id, view.tags, len(view.point_x)), (NUMBER, 1, 4))
         self.assertAlmostEqual(view.position_m[2], SIDE_M * self.FOCAL_PX / SIDE_PX, delta=0.005)
         answer = self.set_reference(z_star_m=0.5, from_current_view=True)
@@ -63,11 +64,27 @@ class TagNodeTest(FeatureNodeTest):
             answer = self.set_reference(z_star_m=0.5, from_current_view=True)
             self.assertFalse(answer.success, answer.message)
 
-    def test_a_camera_of_another_size_has_no_goal(self):
-        self.answer_to(with_tags((LEFT, TOP)))
+    def test_a_camera_of_another_size_keeps_the_goal(self):
+        view = self.answer_to(with_tags((LEFT, TOP)))
         self.assertTrue(self.set_reference(z_star_m=0.5, from_current_view=True).success)
-        self.assertFalse(self.answer_to(with_tags((LEFT, TOP))[:-20]).has_reference)
-        self.assertFalse(self.answer_to(with_tags((LEFT, TOP))).has_reference)
+        for image in (with_tags((LEFT, TOP))[:-20], with_tags((LEFT, TOP))):
+            self.assertEqual(self.answer_to(image).reference_stamp_ns, view.header.stamp.to_nsec())
+
+    def test_a_refused_teach_leaves_the_goals_of_all_features_as_they_were(self):
+        seen = []
+        subscriber = rospy.Subscriber("camera/photometric", PhotometricFeatures, seen.append, queue_size=200)
+        view = self.answer_to(with_tags((LEFT, TOP)))
+        self.assertTrue(self.set_reference(z_star_m=0.5, from_current_view=True).success)
+        self.answer_to(with_tags((LEFT + 9, TOP), number=3))
+        answer = self.set_reference(z_star_m=0.5, from_current_view=True)
+        self.assertFalse(answer.success)
+        self.assertIn("tag 7", answer.message)
+        home = self.answer_to(with_tags((LEFT, TOP)))
+        self.assertEqual(home.reference_stamp_ns, view.header.stamp.to_nsec())
+        self.assertTrue(wait_until(lambda: any(one.header.stamp == home.header.stamp for one in seen)))
+        one = [one for one in seen if one.header.stamp == home.header.stamp][0]
+        self.assertEqual((one.rms, one.reference_stamp_ns), (0.0, view.header.stamp.to_nsec()))
+        subscriber.unregister()
 
 
 if __name__ == "__main__":

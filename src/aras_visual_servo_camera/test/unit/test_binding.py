@@ -194,8 +194,17 @@ def test_uint16_gives_the_features_of_uint8():
     features = [extractor.process(each) for extractor, each in
                 zip(extractors, (image, deep, np.ascontiguousarray(np.repeat(deep[:, :, None], 3, axis=2))))]
     assert features[0].valid and features[0].m == features[1].m == features[2].m
-    with pytest.raises(camera.ShapeError, match="uint16.*allowed uint8 .*or uint16 of the first two"):
-        extractors[0].process(np.zeros((240, 320, 4), np.uint16))
+    assert extractors[1].white == 65535 and extractors[0].white == 0
+    with pytest.raises(camera.ShapeError, match=r"uint16.*allowed uint8 or uint16 of shape"):
+        extractors[0].process(np.zeros((240, 320, 2), np.uint16))
+
+
+@pytest.mark.parametrize("bits", [8, 10, 12, 14, 16])
+def test_uint16_of_fewer_bits_shows_the_target(bits):
+    extractor = camera.MomentExtractor(INFO, {"object": "dark", "segmentation": "otsu"})
+    features = extractor.process(np.round(image_with_wedge() * ((2**bits - 1) / 255.0)).astype(np.uint16))
+    assert features.valid and extractor.white == 2**bits - 1
+    assert features.m == camera.MomentExtractor(INFO, {"object": "dark", "segmentation": "otsu"}).process(image_with_wedge()).m
 
 
 def test_the_libraries_of_the_tag_detector_are_loaded_for_those_who_look_for_a_tag():
@@ -213,3 +222,29 @@ def test_attributes_are_the_fields_of_the_message(name):
     messages = pytest.importorskip("aras_visual_servo_msgs.msg")
     fields = set(getattr(messages, name).__slots__) - {"header", "age_s"}
     assert {attribute for attribute in dir(getattr(camera, name)) if not attribute.startswith("_")} == fields
+
+
+@pytest.mark.parametrize("extractor, config", [(camera.MomentExtractor, VISION), (camera.PhotometricExtractor, {}),
+                                               (camera.MatchExtractor, {}), (camera.TagExtractor, {})])
+def test_a_binned_and_cropped_camera_info_is_that_of_its_images(extractor, config):
+    sensor = {**INFO, "width": 1280, "height": 960, "K": [780.2, 0, 639.5, 0, 780.2, 479.5, 0, 0, 1], "binning_x": 4,
+              "binning_y": 4}
+    features = extractor(sensor, config).process(image_with_wedge())
+    if extractor is camera.MomentExtractor:
+        assert features.m == pytest.approx(extractor(INFO, config).process(image_with_wedge()).m, rel=ROUNDING)
+    cropped = {**sensor, "roi": {"x_offset": 320, "y_offset": 240, "width": 640, "height": 480, "do_rectify": False}}
+    with pytest.raises(camera.ShapeError, match="160 x 120"):
+        extractor(cropped, config).process(image_with_wedge())
+    with pytest.raises(camera.ParameterError, match="camera_info.width"):
+        extractor({**sensor, "width": 320, "height": 240}, config)
+
+
+def test_image_info_is_that_of_the_images():
+    roi = {"x_offset": 320, "y_offset": 240, "width": 640, "height": 480}
+    sensor = {**INFO, "width": 1280, "height": 960, "K": [780.2, 0, 639.5, 0, 780.2, 479.5, 0, 0, 1], "roi": roi,
+              "binning_x": 2, "binning_y": 2}
+    info = camera.image_info(sensor)
+    assert (info["width"], info["height"]) == (320, 240)
+    assert info["K"] == pytest.approx([390.1, 0, 159.5, 0, 390.1, 119.5, 0, 0, 1])
+    assert "roi" not in info and "binning_x" not in info and sensor["roi"] == roi
+    assert camera.image_info(info) == info

@@ -114,12 +114,12 @@ def test_a_view_without_the_target_is_a_value_that_says_why(image, fault):
     assert extractor.process(picture(scene())).valid
 
 
-def test_what_cannot_be_the_goal_is_refused_and_leaves_none():
+def test_what_cannot_be_the_goal_is_refused_and_leaves_the_goal_as_it_was():
     plane = scene()
     extractor = taught(plane)
     with pytest.raises(camera.DegenerateFeature, match="0 keypoints, allowed at least min_matches, 12"):
         extractor.set_reference(np.full(SIZE[::-1], 90, np.uint8), 0.6)
-    assert not extractor.process(picture(plane)).has_reference
+    assert extractor.process(picture(plane)).rms_px == 0.0
     with pytest.raises(camera.ShapeError, match="found 100 x 80, allowed 320 x 240"):
         extractor.set_reference(np.zeros((80, 100), np.uint8), 0.6)
     with pytest.raises(camera.ParameterError, match="z_star_m: found 0.0"):
@@ -236,7 +236,8 @@ def test_a_view_without_a_usable_tag_is_a_value_that_says_why(case, fault):
     assert seen.point_x == [] and seen.homography == [] and seen.position_m == [] and np.isnan(seen.xg)
     with pytest.raises(camera.DegenerateFeature, match="tag reference"):
         extractor.set_reference(image, 0.5)
-    assert not extractor.process(tag_at(FACING, info)).has_reference
+    home = extractor.process(tag_at(FACING, info))
+    assert home.has_reference and np.allclose(home.homography, np.eye(3).ravel())
 
 
 def test_a_tag_beyond_the_fold_of_the_lens_is_a_value_that_says_why():

@@ -216,7 +216,7 @@ def test_blank_image_is_not_valid_and_cannot_be_the_reference():
     photometric = extractor(scene.info)
     with pytest.raises(camera.DegenerateFeature, match="standard deviation"):
         photometric.set_reference(blank, 0.6)
-    assert not photometric.process(scene.image()).has_reference
+    assert not photometric.process(scene.image()).has_reference  # there was none
     photometric.set_reference(scene.image(), 0.6)
     features = photometric.process(blank)
     assert not features.valid and not features.target_visible and "contrast" in features.fault and features.H == []
@@ -234,13 +234,40 @@ def test_stripes_tell_no_six_motions_apart():
     assert features.target_visible and not features.valid and "six motions" in features.fault
 
 
-def test_a_failed_reference_leaves_none():
+@pytest.mark.parametrize("more", [{}, {"levels": 2, "mapping": "pca"}])
+def test_a_failed_reference_changes_nothing(more):
     scene = TexturedPlane(camera_info())
-    photometric = extractor(scene.info)
+    photometric = extractor(scene.info, **more)
     photometric.set_reference(scene.image(), 0.6)
+    moved = scene.image(exponential(SMALL))
+    before = photometric.process(moved)
     with pytest.raises(camera.ParameterError, match="in front of every pixel"):
-        photometric.set_reference(scene.image(), plane=(5.0, 0.0, 1.6))
-    assert not photometric.process(scene.image()).has_reference
+        photometric.set_reference(moved, plane=(5.0, 0.0, 1.6))
+    with pytest.raises(camera.DegenerateFeature):
+        photometric.set_reference(np.full((120, 160), 128, np.uint8), 0.6)
+    after = photometric.process(moved)
+    assert (after.H, after.b, after.rms, after.reference_hash) == (before.H, before.b, before.rms, before.reference_hash)
+
+
+@pytest.mark.parametrize("stretch", [1.001, 0.98, 1.04])
+def test_a_change_of_zoom_keeps_the_reference(stretch):
+    scene = TexturedPlane(camera_info())
+    zoomed = {**scene.info, "K": [stretch * k if i in (0, 4) else k for i, k in enumerate(scene.info["K"])]}
+    photometric, taught = extractor(scene.info), extractor(zoomed)
+    photometric.set_reference(scene.image(), 0.6)
+    photometric.set_camera_info(zoomed)
+    other = TexturedPlane(zoomed)
+    taught.set_reference(other.image(), 0.6)
+    home, away = (other.image(pose) for pose in (np.eye(4), exponential(SMALL)))
+    assert photometric.process(home).has_reference
+    assert photometric.features.rms < 1.0  # rounding of both images, interpolation of one
+    def step(features):
+        H = np.zeros((6, 6))
+        H[np.triu_indices(6)] = features.H
+        return -np.linalg.solve(H + np.triu(H, 1).T, features.b)
+    np.testing.assert_allclose(step(photometric.process(away)), step(taught.process(away)), atol=2e-4)
+    photometric.set_camera_info(scene.info)
+    assert photometric.process(scene.image()).rms == 0.0
 
 
 @pytest.mark.parametrize("z_star_m", [0.0, -1.0, float("nan"), float("inf")])

@@ -15,7 +15,7 @@ from typing import Any, List, Sequence, Tuple
 import numpy as np
 
 from ..ground.errors import ModelError, NotFiniteError, ShapeError
-from ..spatial import adjoint, exponential, inverse, logarithm, pose_from_rpy, rotation, rotation_vector
+from ..spatial import adjoint, exponential, inverse, logarithm, pose_from_rpy, rotation, rotation_vector, transform
 from .kinematics import RobotKinematics
 
 NAMES = ("px", "py", "pz", "rx", "ry", "rz")
@@ -108,9 +108,7 @@ def _origin(joint):
 
 
 def _pose(q):
-    X = np.eye(4)
-    X[:3, :3], X[:3, 3] = rotation(q[3:]), q[:3]
-    return X
+    return transform(rotation(q[3:]), q[:3])
 
 
 def _coordinates(X):

@@ -9,7 +9,7 @@ from ..features.base import View
 from .base import Law, register_law, sampled_gains
 from ..features.target.points_pose import PlanarPoints, find_corners
 from ..features.target.solid_points import SolidPoints
-from ..spatial import inverse, rotation, rotation_vector
+from ..spatial import inverse, rotation, rotation_vector, transform
 
 
 class PoseLaw(Law):
@@ -88,8 +88,8 @@ class PoseBased(PoseLaw):
     works_on, foresees = ("tx", "ty", "tz", "rx", "ry", "rz"), True
 
     def _foresee(self, look, s):
-        displacement, X_CgC = np.array(s), np.eye(4)
-        X_CgC[:3, :3], X_CgC[:3, 3] = rotation(displacement[3:]), displacement[:3]
+        displacement = np.array(s)
+        X_CgC = transform(rotation(displacement[3:]), displacement[:3])
         self._X_CT, self._X_CgC_then = inverse(X_CgC) @ self._X_CgT, look.X_CgC
         return look._replace(view=View(look.view.features, look.view.plane, displacement), X_CgC=X_CgC)
 

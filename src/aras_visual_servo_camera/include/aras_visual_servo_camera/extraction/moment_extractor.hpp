@@ -31,6 +31,9 @@ class MomentExtractor {
   /** Features of the last image. Before the first image the target is not visible. */
   const MomentFeatures& features() const { return features_; }
   const ObjectMask& mask() const { return *mask_; }
+  /** Value of 16 bits that counts as white in the last image of such values; 0 before there was one. It is the largest
+   * value of 8, 10, 12, 14 or 16 bits, whichever are enough for the images so far. */
+  int white() const { return segmentation_.white(); }
 
   /** Make the image of this stamp the reference, seen from depth z_star_m.
    *  @throws ParameterError if it is not among the last images; else as setReference() */
@@ -42,7 +45,7 @@ class MomentExtractor {
   void clearReference();
   const std::optional<Reference>& reference() const { return builder_.reference(); }
 
-  /** Take a camera with another lens, zoom or size. The reference stays. */
+  /** Take a camera with another lens, zoom or size. The reference stays, and with the same size what is followed. */
   void setIntrinsics(const CameraIntrinsics& intrinsics);
   const CameraIntrinsics& intrinsics() const { return map_->intrinsics(); }
 
@@ -50,6 +53,8 @@ class MomentExtractor {
   void forgetPrevious();
 
  private:
+  void followAnew();
+
   VisionConfig config_;
   std::unique_ptr<PixelMap> map_;
   std::unique_ptr<MomentAccumulator> accumulator_;

@@ -16,7 +16,7 @@ namespace aras_visual_servo_camera {
 std::vector<std::uint8_t> drawOverlay(const ImageView& image, const ObjectMask& mask, const MomentFeatures& features,
                                       const CameraIntrinsics& intrinsics);
 
-/** The image as rgb8. @param out  3 * width * height bytes */
-void toRgb(const ImageView& image, std::uint8_t* out);
+/** The image as rgb8 or, of values of 16 bits, rgb16. @param out  3 * width * height values */
+void toRgb(const ImageView& image, void* out);
 
 }  // namespace aras_visual_servo_camera

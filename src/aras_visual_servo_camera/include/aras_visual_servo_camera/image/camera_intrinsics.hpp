@@ -11,6 +11,8 @@ class Node;
 
 namespace aras_visual_servo_camera {
 
+struct CameraInfoConfig;
+
 /** Pinhole camera with a lens, as sensor_msgs/CameraInfo describes it.
  *
  *  Pixel (u, v) covers [u - 1/2, u + 1/2] x [v - 1/2, v + 1/2]: the centre of a w-pixel row is u = (w - 1) / 2.
@@ -18,7 +20,7 @@ namespace aras_visual_servo_camera {
 class CameraIntrinsics {
  public:
   /** Largest angle of a ray from the optical axis, 80 degrees [rad]: x = X/Z is 5.7 there and infinite at 90 degrees. A
-   * fisheye may see farther, but its pixels beyond this angle have no coordinates (Undistorted::valid is false), and an
+   * fisheye may see farther, but pixels beyond this angle have no coordinates (Undistorted::valid is false), and an
    * object that reaches there has no features. */
   static constexpr double kWidestAngle = 80.0 * 3.14159265358979323846 / 180.0;
 
@@ -28,8 +30,8 @@ class CameraIntrinsics {
   /** @param K  row-major 3 x 3 [px]: fx, 0, cx, 0, fy, cy, 0, 0, 1; cx, cy may lie outside the image
    *  @param distortion_model  "" or "none" (D empty or zero), "plumb_bob" (k1 k2 p1 p2 [k3]),
    *      "rational_polynomial" (k1 k2 p1 p2 k3 k4 k5 k6) or "equidistant" (k1 k2 k3 k4)
-   *  @throws ParameterError listing every fault: no size, K zero or not finite, focal length not > 0, skew,
-   *      unknown model, wrong length of D */
+   *  @throws ParameterError listing every fault: no size, K zero, the identity or not finite, a focal length that no lens
+   *      has at this size, skew, unknown model, wrong length of D */
   CameraIntrinsics(int width_px, int height_px, const std::array<double, 9>& K, const std::string& distortion_model,
                    const std::vector<double>& D);
 
@@ -67,6 +69,7 @@ class CameraIntrinsics {
   std::array<double, 2> project(double x, double y) const;
 
  private:
+  friend CameraIntrinsics intrinsicsOf(const CameraInfoConfig& info);
   enum class Lens { kNone, kPolynomial, kEquidistant };
 
   /** Distorted coordinates and their Jacobian d(xd, yd)/d(x, y), row-major. */
@@ -84,8 +87,14 @@ class CameraIntrinsics {
   double reach_ = 0.0;  // of the equidistant lens [rad]
 };
 
-/** @param node  mapping with width, height, K (9), D, distortion_model; P, R, frame_id, binning_x, binning_y, roi and
- *      header are accepted and not used
+/** Returns the intrinsics of the images: K is that of the whole sensor, so it is cropped to the region of interest and
+ *  then binned, the centre of a pixel of the image being that of the pixels it is made of.
+ *  @throws ParameterError listing every fault: those of the constructor, a region outside the sensor, a binned or cropped
+ *      K whose optical axis lies beside the sensor */
+CameraIntrinsics intrinsicsOf(const CameraInfoConfig& info);
+
+/** @param node  mapping with width, height, K (9), D, distortion_model and, where used, binning_x, binning_y and roi; P,
+ *      R, frame_id and header are accepted and not used
  *  @throws ParameterError listing every fault */
 CameraIntrinsics readCameraInfo(const YAML::Node& node);
 

@@ -16,8 +16,8 @@ class PixelMap {
   const CameraIntrinsics& intrinsics() const { return intrinsics_; }
   int width() const { return intrinsics_.width(); }
   int height() const { return intrinsics_.height(); }
-  /** True without distortion: x depends on u alone, y on v alone, area is constant. */
-  bool separable() const { return !intrinsics_.distorted(); }
+  /** True without distortion where every pixel has a ray: x depends on u alone, y on v alone, area is constant. */
+  bool separable() const { return pixels_.empty(); }
 
   struct Pixel {
     double x, y;  ///< [-]
@@ -59,7 +59,7 @@ class PixelMap {
   CameraIntrinsics intrinsics_;
   double area_ = 0.0;
   std::vector<double> x_of_u_, y_of_v_;  // separable
-  std::vector<Pixel> pixels_;            // distorted, row-major
+  std::vector<Pixel> pixels_;            // else, row-major
   std::vector<CameraIntrinsics::Ray> rays_;
 };
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 
 #include "aras_visual_servo_camera/config/vision_config.hpp"
@@ -45,7 +46,7 @@ class PhotometricExtractor {
    *  @throws ParameterError if it is not among the last images; else as setReference() */
   void teach(std::int64_t stamp_ns, double z_star_m);
 
-  /** Make an image of the target's plane the reference. When this throws there is none.
+  /** Make an image of the target's plane the reference. When this throws the reference is what it was.
    *  @throws DegenerateFeature if the image has too little texture to tell six motions apart; ParameterError unless the
    * plane lies in front of every pixel used; ShapeError as process() */
   void setReference(const ImageView& image, const Plane& plane);
@@ -53,7 +54,12 @@ class PhotometricExtractor {
   void setReference(const ImageView& image, double z_star_m);
   void clearReference();
 
-  /** Take a camera with another lens, zoom or size. The reference is dropped. */
+  /** Returns a function that makes the present reference, or none, the reference again. It must not outlive this. */
+  std::function<void()> undo();
+
+  /** Take a camera with another lens, zoom or size. The reference's image is drawn for it. Where it shows too little of
+   * what the camera sees, or its pixels are much larger or smaller, features say so and are not valid, until the
+   * camera is as before or another reference is taught. */
   void setIntrinsics(const CameraIntrinsics& intrinsics);
   const CameraIntrinsics& intrinsics() const;
 
@@ -61,7 +67,11 @@ class PhotometricExtractor {
   const PhotometricFeatures& features() const { return features_; }
 
  private:
+  struct View;
+  struct Goal;
   struct Work;
+  void setGoal(const View& view, const Plane& plane, std::int64_t stamp_ns);
+
   PhotometricConfig config_;
   std::unique_ptr<Work> work_;
   PhotometricFeatures features_;

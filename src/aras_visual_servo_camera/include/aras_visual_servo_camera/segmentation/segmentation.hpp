@@ -32,6 +32,9 @@ class Segmentation {
    *  @pre images of the map's size from now on */
   void setMap(const PixelMap& map);
 
+  /** Value of 16 bits that counts as white in the last image of such values; 0 before there was one. */
+  int white() const;
+
   /** With points = blobs: every object of the last image that passes the area filter, from the top left; else empty. */
   const std::vector<ObjectMask>& objects() const;
 

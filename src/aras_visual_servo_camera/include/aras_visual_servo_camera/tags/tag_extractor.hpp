@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 
 #include "aras_visual_servo_camera/config/vision_config.hpp"
@@ -30,13 +31,16 @@ class TagExtractor {
    *  @throws ParameterError if it is not among the last images; else as setReference() */
   void teach(std::int64_t stamp_ns, double z_star_m);
 
-  /** Make an image the goal. When this throws there is none.
+  /** Make an image the goal. When this throws the goal is what it was.
    *  @throws DegenerateFeature if the tag is not found in it; ParameterError unless z_star_m is finite and > 0;
    *          ShapeError as process() */
   void setReference(const ImageView& image, double z_star_m);
   void clearReference();
 
-  /** Take a camera with another lens, zoom or size. The reference is dropped. */
+  /** Returns a function that makes the present goal, or none, the goal again. It must not outlive this. */
+  std::function<void()> undo();
+
+  /** Take a camera with another lens, zoom or size. The goal stays: its corners are in normalised coordinates. */
   void setIntrinsics(const CameraIntrinsics& intrinsics);
   const CameraIntrinsics& intrinsics() const;
 

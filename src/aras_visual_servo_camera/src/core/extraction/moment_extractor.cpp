@@ -89,6 +89,7 @@ MomentExtractor::MomentExtractor(const CameraIntrinsics& intrinsics, const Visio
 MomentExtractor::~MomentExtractor() = default;
 
 void MomentExtractor::setIntrinsics(const CameraIntrinsics& intrinsics) {
+  const bool same_size = map_ && map_->width() == intrinsics.width() && map_->height() == intrinsics.height();
   map_ = std::make_unique<PixelMap>(intrinsics, config_.rays);
   segmentation_.setMap(*map_);
   accumulator_ = std::make_unique<MomentAccumulator>(*map_, config_.order);
@@ -99,7 +100,8 @@ void MomentExtractor::setIntrinsics(const CameraIntrinsics& intrinsics) {
     if (points_) points->takeReference(*points_);
     points_ = std::move(points);
   }
-  forgetPrevious();
+  // Features of the last images are in normalised coordinates; what is followed by its pixels is not.
+  if (!same_size) followAnew();
   mask_ = &nothing_;
   nothing_.width_px = intrinsics.width();
   nothing_.height_px = intrinsics.height();
@@ -164,10 +166,14 @@ void MomentExtractor::clearReference() {
 }
 
 void MomentExtractor::forgetPrevious() {
+  followAnew();
+  last_views_.clear();
+}
+
+void MomentExtractor::followAnew() {
   segmentation_.forgetPrevious();
   builder_.forgetPrevious();
   if (points_) points_->forgetPrevious();
-  last_views_.clear();
 }
 
 }  // namespace aras_visual_servo_camera

@@ -8,26 +8,15 @@
 
 namespace aras_visual_servo_camera {
 
-void toRgb(const ImageView& image, std::uint8_t* out) {
-  const cv::Mat view = bytesIn(image);
-  cv::Mat rgb(image.height_px, image.width_px, CV_8UC3, out);
-  switch (image.format) {
-    case PixelFormat::kMono8:
-    case PixelFormat::kMono16:
-      return cv::cvtColor(view, rgb, cv::COLOR_GRAY2RGB);
-    case PixelFormat::kBgr8:
-      return cv::cvtColor(view, rgb, cv::COLOR_BGR2RGB);
-    case PixelFormat::kRgba8:
-      return cv::cvtColor(view, rgb, cv::COLOR_RGBA2RGB);
-    default:
-      return view.copyTo(rgb);
-  }
+void toRgb(const ImageView& image, void* out) {
+  const cv::Mat rgb = rgbOf(image);
+  rgb.copyTo(cv::Mat(rgb.size(), rgb.type(), out));
 }
 
 std::vector<std::uint8_t> drawOverlay(const ImageView& image, const ObjectMask& mask, const MomentFeatures& features,
                                       const CameraIntrinsics& intrinsics) {
   std::vector<std::uint8_t> bytes(static_cast<std::size_t>(3) * image.width_px * image.height_px);
-  toRgb(image, bytes.data());
+  inBytes(rgbOf(image), image.white).copyTo(cv::Mat(image.height_px, image.width_px, CV_8UC3, bytes.data()));
   if (!features.target_visible) return bytes;
   cv::Mat rgb(image.height_px, image.width_px, CV_8UC3, bytes.data());
 

@@ -19,7 +19,10 @@ using aras_visual_servo_common::numberText;
 using aras_visual_servo_common::Range;
 using aras_visual_servo_common::ValueAndSlope;
 
-constexpr double kLeastFocalLength = 1e-2;  // [px]: a pixel beside the centre is seen 89 degrees off the axis
+// Limits of the focal length. K of one pixel is the identity, which drivers without a calibration send. At a fiftieth
+// of the larger side the border of the image is 87 degrees off the axis; at a thousand sides it is 0.03 degrees off.
+constexpr double kIdentity_px = 1.0, kLeastOfSide = 0.02, kMostOfSide = 1000.0;
+const double kWidestRadius = std::tan(CameraIntrinsics::kWidestAngle);
 constexpr int kNewtonSteps = 50;
 constexpr double kNewtonResidual = 1e-13;  // normalised coordinates are of order 1: some hundred roundings
 
@@ -39,11 +42,15 @@ CameraIntrinsics::CameraIntrinsics(int width_px, int height_px, const std::array
   within("width", described.at("width")->range, width_);
   within("height", described.at("height")->range, height_);
   const Range& px = described.at("K")->items->range;
-  Range focal_length = px;
-  focal_length.min = kLeastFocalLength;
-  const std::string uncalibrated = " (an uncalibrated camera has K = 0)";
-  if (!focal_length.contains(fx_)) fault("K[0] (fx)", numberText(fx_), focal_length.text() + uncalibrated);
-  if (!focal_length.contains(fy_)) fault("K[4] (fy)", numberText(fy_), focal_length.text() + uncalibrated);
+  const double side = std::max({width_, height_, 1}), least = kLeastOfSide * side, most = kMostOfSide * side;
+  const auto focal = [&](const std::string& key, double found) {
+    if (found > kIdentity_px && found >= least && found <= most) return;
+    fault(key, numberText(found),
+          (least > kIdentity_px ? ">= " + numberText(least) : "> " + numberText(kIdentity_px)) +
+              ", <= " + numberText(most) + " px at this size (an uncalibrated camera has K = 0 or the identity)");
+  };
+  focal("K[0] (fx)", fx_);
+  focal("K[4] (fy)", fy_);
   within("K[2] (cx)", px, cx_);
   within("K[5] (cy)", px, cy_);
   for (int k : {1, 3, 6, 7})
@@ -173,7 +180,7 @@ CameraIntrinsics::Undistorted CameraIntrinsics::undistort(double u_px, double v_
     const double ex = xd - at[0], ey = yd - at[1], det = J[0] * J[3] - J[1] * J[2];
     if (!(J[0] > 0.0 && J[3] > 0.0 && det > 0.0)) return out;  // beyond the fold of the lens polynomial: no ray
     if (std::abs(ex) + std::abs(ey) <= kNewtonResidual * (1.0 + std::abs(xd) + std::abs(yd))) {
-      out.valid = true;
+      out.valid = std::hypot(out.x, out.y) <= kWidestRadius;
       out.jacobian = {J[3] / det / fx_, -J[1] / det / fy_, -J[2] / det / fx_, J[0] / det / fy_};
       return out;
     }
@@ -199,9 +206,38 @@ CameraIntrinsics::Ray CameraIntrinsics::rayOf(double u_px, double v_px) const {
   return {scale * xd, scale * yd, std::cos(theta), scale / (slope * fx_ * fy_)};
 }
 
+CameraIntrinsics intrinsicsOf(const CameraInfoConfig& info) {
+  const CameraIntrinsics sensor(info.width, info.height, info.K, info.distortion_model, info.D);
+  CameraIntrinsics image = sensor;
+  FaultList faults;
+  // Along one axis.
+  const auto readOut = [&faults](const std::string& axis, const std::string& side, int binning, int offset, int extent,
+                                 int* size, double* focal, double* centre) {
+    const int whole = *size, pixels = std::max(binning, 1);
+    if (extent == 0) extent = whole;
+    if (pixels == 1 && offset == 0 && extent == whole) return;
+    if (offset + extent > whole)
+      faults.add("camera_info.roi." + axis + "_offset + " + side, std::to_string(offset + extent),
+                 "<= camera_info." + side + ", " + std::to_string(whole));
+    if (!(*centre > -0.5 && *centre < whole - 0.5))
+      faults.add("camera_info." + side, std::to_string(whole) + " with binning or roi and an optical axis at " +
+                 numberText(*centre), "the size of the whole sensor, which K belongs to");
+    if (extent < pixels)
+      faults.add("camera_info.binning_" + axis, std::to_string(pixels), "<= " + std::to_string(extent) + " pixels read out");
+    *size = extent / pixels;
+    *focal /= pixels;
+    *centre = (*centre - offset + 0.5) / pixels - 0.5;
+  };
+  const auto& roi = info.roi;
+  readOut("x", "width", info.binning_x, roi.x_offset, roi.width, &image.width_, &image.fx_, &image.cx_);
+  readOut("y", "height", info.binning_y, roi.y_offset, roi.height, &image.height_, &image.fy_, &image.cy_);
+  faults.throwIfAny();
+  return image;
+}
+
 CameraIntrinsics readCameraInfo(const YAML::Node& node) {
-  const auto info = aras_visual_servo_common::readSection<CameraInfoConfig>(node, "camera_info", [](auto&&...) {});
-  return CameraIntrinsics(info.width, info.height, info.K, info.distortion_model, info.D);
+  return intrinsicsOf(
+      aras_visual_servo_common::readSection<CameraInfoConfig>(node, "camera_info", [](auto&&...) {}));
 }
 
 }  // namespace aras_visual_servo_camera

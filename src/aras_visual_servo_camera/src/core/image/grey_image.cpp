@@ -38,16 +38,80 @@ constexpr int kLeastOfBayer = 3;  // pixels each way, which the interpolation ta
 constexpr int kBayerCodes[] = {cv::COLOR_BayerBG2RGB, cv::COLOR_BayerRG2RGB, cv::COLOR_BayerGR2RGB,
                                cv::COLOR_BayerGB2RGB};
 
-constexpr std::pair<const char*, PixelFormat> kNames[] = {{"rgb8", PixelFormat::kRgb8},
-                                                          {"bgr8", PixelFormat::kBgr8},
-                                                          {"mono8", PixelFormat::kMono8},
-                                                          {"rgba8", PixelFormat::kRgba8},
-                                                          {"mono16", PixelFormat::kMono16},
-                                                          {"rgb16", PixelFormat::kRgb16},
-                                                          {"bayer_rggb8", PixelFormat::kBayerRggb8},
-                                                          {"bayer_bggr8", PixelFormat::kBayerBggr8},
-                                                          {"bayer_gbrg8", PixelFormat::kBayerGbrg8},
-                                                          {"bayer_grbg8", PixelFormat::kBayerGrbg8}};
+constexpr std::pair<const char*, PixelFormat> kNames[] = {
+    {"rgb8", PixelFormat::kRgb8},
+    {"bgr8", PixelFormat::kBgr8},
+    {"mono8", PixelFormat::kMono8},
+    {"rgba8", PixelFormat::kRgba8},
+    {"bgra8", PixelFormat::kBgra8},
+    {"mono16", PixelFormat::kMono16},
+    {"rgb16", PixelFormat::kRgb16},
+    {"bgr16", PixelFormat::kBgr16},
+    {"rgba16", PixelFormat::kRgba16},
+    {"bgra16", PixelFormat::kBgra16},
+    {"bayer_rggb8", PixelFormat::kBayerRggb8},
+    {"bayer_bggr8", PixelFormat::kBayerBggr8},
+    {"bayer_gbrg8", PixelFormat::kBayerGbrg8},
+    {"bayer_grbg8", PixelFormat::kBayerGrbg8},
+    {"bayer_rggb16", PixelFormat::kBayerRggb16},
+    {"bayer_bggr16", PixelFormat::kBayerBggr16},
+    {"bayer_gbrg16", PixelFormat::kBayerGbrg16},
+    {"bayer_grbg16", PixelFormat::kBayerGrbg16},
+    {"yuv422", PixelFormat::kYuv422},
+    {"yuv422_yuy2", PixelFormat::kYuv422Yuy2},
+    {"8UC1", PixelFormat::kMono8},
+    {"8UC3", PixelFormat::kBgr8},
+    {"8UC4", PixelFormat::kBgra8},
+    {"16UC1", PixelFormat::kMono16},
+    {"16UC3", PixelFormat::kBgr16},
+    {"16UC4", PixelFormat::kBgra16}};
+
+std::string sizeOf(const ImageView& image) {
+  return "image: found " + std::to_string(image.width_px) + " x " + std::to_string(image.height_px) + " pixels";
+}
+
+/** The values of a view as OpenCV takes them: in the processor's order and at even addresses. */
+cv::Mat valuesIn(const ImageView& image) {
+  const int n = bytesOf(image.format);
+  if (image.data == nullptr || image.width_px < 1 || image.height_px < 1 ||
+      image.step_bytes < static_cast<std::size_t>(image.width_px) * n)
+    throw ShapeError(sizeOf(image) + ", " + std::to_string(image.step_bytes) +
+                     " bytes a row, allowed at least 1 x 1 and " + std::to_string(n) + " bytes a pixel");
+  const bool deep = isDeep(image.format);
+  const int type = CV_MAKETYPE(deep ? CV_16U : CV_8U, channels(image.format));
+  const bool odd = image.step_bytes % 2 != 0 || reinterpret_cast<std::uintptr_t>(image.data) % 2 != 0;
+  if (!deep || !(odd || image.upper_byte_first))
+    return cv::Mat(image.height_px, image.width_px, type, const_cast<std::uint8_t*>(image.data), image.step_bytes);
+  cv::Mat values(image.height_px, image.width_px, type);
+  for (int v = 0; v < values.rows; ++v) {
+    auto* row = values.ptr<std::uint16_t>(v);
+    const int count = values.cols * values.channels();
+    std::memcpy(row, image.data + v * image.step_bytes, static_cast<std::size_t>(count) * 2);
+    for (int k = 0; image.upper_byte_first && k < count; ++k)
+      row[k] = static_cast<std::uint16_t>(row[k] << 8 | row[k] >> 8);
+  }
+  return values;
+}
+
+/** The code of cvtColor from a format, which is not a Bayer pattern, to grey or to rgb; -1: none is needed. */
+int codeOf(PixelFormat format, bool to_grey) {
+  switch (shallow(format)) {
+    case PixelFormat::kMono8:
+      return to_grey ? -1 : cv::COLOR_GRAY2RGB;
+    case PixelFormat::kBgr8:
+      return to_grey ? cv::COLOR_BGR2GRAY : cv::COLOR_BGR2RGB;
+    case PixelFormat::kRgba8:
+      return to_grey ? cv::COLOR_RGBA2GRAY : cv::COLOR_RGBA2RGB;
+    case PixelFormat::kBgra8:
+      return to_grey ? cv::COLOR_BGRA2GRAY : cv::COLOR_BGRA2RGB;
+    case PixelFormat::kYuv422:
+      return to_grey ? cv::COLOR_YUV2GRAY_UYVY : cv::COLOR_YUV2RGB_UYVY;
+    case PixelFormat::kYuv422Yuy2:
+      return to_grey ? cv::COLOR_YUV2GRAY_YUY2 : cv::COLOR_YUV2RGB_YUY2;
+    default:
+      return to_grey ? cv::COLOR_RGB2GRAY : -1;
+  }
+}
 
 }  // namespace
 
@@ -60,46 +124,60 @@ PixelFormat formatNamed(const std::string& encoding) {
   throw ShapeError("image encoding: found '" + encoding + "', allowed " + allowed);
 }
 
-cv::Mat bytesIn(const ImageView& image) {
-  const int n = bytesOf(image.format);
-  if (image.data == nullptr || image.width_px < 1 || image.height_px < 1 ||
-      image.step_bytes < static_cast<std::size_t>(image.width_px) * n)
-    throw ShapeError("image: found " + std::to_string(image.width_px) + " x " + std::to_string(image.height_px) +
-                     " pixels, " + std::to_string(image.step_bytes) + " bytes a row, allowed at least 1 x 1 and " +
-                     std::to_string(n) + " bytes a pixel");
-  const int depth = isDeep(image.format) ? CV_16U : CV_8U;
-  const cv::Mat view(image.height_px, image.width_px, CV_MAKETYPE(depth, channels(image.format)),
-                     const_cast<std::uint8_t*>(image.data), image.step_bytes);
+cv::Mat coloursIn(const ImageView& image) {
+  const cv::Mat values = valuesIn(image);
+  if (isYuv(image.format) && image.width_px % 2 != 0)
+    throw ShapeError(sizeOf(image) + " that share their colour in pairs, allowed an even width");
+  if (!isBayer(image.format)) return values;
+  if (image.width_px < kLeastOfBayer || image.height_px < kLeastOfBayer)
+    throw ShapeError(sizeOf(image) + " of a Bayer pattern, allowed at least " + std::to_string(kLeastOfBayer) + " x " +
+                     std::to_string(kLeastOfBayer));
+  cv::Mat rgb;
+  cv::demosaicing(values, rgb,
+                  kBayerCodes[static_cast<int>(shallow(image.format)) - static_cast<int>(PixelFormat::kBayerRggb8)]);
+  return rgb;
+}
+
+cv::Mat inBytes(const cv::Mat& values, int white) {
+  if (values.depth() == CV_8U) return values;
   cv::Mat bytes;
-  if (isBayer(image.format)) {
-    if (image.width_px < kLeastOfBayer || image.height_px < kLeastOfBayer)
-      throw ShapeError("image: found " + std::to_string(image.width_px) + " x " + std::to_string(image.height_px) +
-                       " pixels of a Bayer pattern, allowed at least " + std::to_string(kLeastOfBayer) + " x " +
-                       std::to_string(kLeastOfBayer));
-    cv::demosaicing(view, bytes,
-                    kBayerCodes[static_cast<int>(image.format) - static_cast<int>(PixelFormat::kBayerRggb8)]);
-    return bytes;
-  }
-  if (!isDeep(image.format)) return view;
-  view.convertTo(bytes, CV_8U, 255.0 / 65535.0);
+  values.convertTo(bytes, CV_8U, 255.0 / white);
   return bytes;
 }
 
+cv::Mat rgbOf(const ImageView& image) {
+  const cv::Mat colours = coloursIn(image);
+  const int code = codeOf(image.format, false);
+  if (code < 0) return colours;
+  cv::Mat rgb;
+  cv::cvtColor(colours, rgb, code);
+  return rgb;
+}
+
 cv::Mat greyOf(const ImageView& image, cv::Mat* buffer) {
-  const cv::Mat view = bytesIn(image);
-  if (view.channels() == 1) return view;
-  const int code = image.format == PixelFormat::kBgr8    ? cv::COLOR_BGR2GRAY
-                   : image.format == PixelFormat::kRgba8 ? cv::COLOR_RGBA2GRAY
-                                                         : cv::COLOR_RGB2GRAY;
-  convert(view, code, buffer);
+  const cv::Mat colours = inBytes(coloursIn(image), image.white);
+  const int code = codeOf(image.format, true);
+  if (code < 0) return colours;
+  convert(colours, code, buffer);
   return *buffer;
+}
+
+cv::Mat GreyReader::read(ImageView image) {
+  if (isDeep(image.format)) {
+    double most = 0.0;
+    const cv::Mat values = valuesIn(image);
+    cv::minMaxLoc(values.reshape(1), nullptr, &most);
+    for (int bits = 8; bits <= 16 && (bits == 8 || white_ < most); bits += 2) white_ = std::max(white_, (1 << bits) - 1);
+    image.white = white_;
+  }
+  return greyOf(image, &buffer_);
 }
 
 void requireSize(const ImageView& image, const CameraIntrinsics& intrinsics) {
   if (image.width_px == intrinsics.width() && image.height_px == intrinsics.height()) return;
   throw ShapeError("image: found " + std::to_string(image.width_px) + " x " + std::to_string(image.height_px) +
                    ", allowed " + std::to_string(intrinsics.width()) + " x " + std::to_string(intrinsics.height()) +
-                   ", the size in camera_info");
+                   ", the size in camera_info after binning and roi");
 }
 
 void requireDepth(double z_star_m) {

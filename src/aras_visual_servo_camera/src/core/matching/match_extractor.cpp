@@ -51,6 +51,11 @@ void writeInliers(const Motion& motion, const std::vector<Point>& here, const st
 
 }  // namespace
 
+struct MatchExtractor::Goal : Keypoints {
+  std::int64_t stamp_ns = kNoStamp;
+  double z_star_m = MatchFeatures::kNone;  // NaN: no goal
+};
+
 struct MatchExtractor::Work {
   Work(const CameraIntrinsics& camera, const MatchingConfig& config) : intrinsics(camera), finder(config) {
     if (!config.depth) return;
@@ -62,19 +67,18 @@ struct MatchExtractor::Work {
   KeypointFinder finder;
   std::unique_ptr<PixelMap> map;  // of the depth reader
   std::unique_ptr<DepthReader> depths;
-  cv::Mat buffer;
-  Keypoints seen, goal;
+  GreyReader reader;
+  Keypoints seen;
+  Goal goal;
   LastViews<Keypoints> last_views;
-  std::int64_t reference_stamp_ns = kNoStamp;
-  double z_star_m = MatchFeatures::kNone;  // NaN: no reference
 
   void look(const ImageView& image, const DepthView* depth);
-  void adopt(const Keypoints& view, double z_m, int least);  // as the goal
+  void adopt(const Keypoints& view, double z_m, std::int64_t stamp_ns, int least);  // as the goal
 };
 
 void MatchExtractor::Work::look(const ImageView& image, const DepthView* depth) {
   requireSize(image, intrinsics);
-  finder.find(greyOf(image, &buffer), intrinsics, &seen);
+  finder.find(reader.read(image), intrinsics, &seen);
   seen.z.clear();
   seen.depth_fault = depths ? depths->fault(depth) : "";
   if (!depths || !seen.depth_fault.empty()) return;
@@ -90,31 +94,33 @@ MatchExtractor::~MatchExtractor() = default;
 const CameraIntrinsics& MatchExtractor::intrinsics() const { return work_->intrinsics; }
 
 void MatchExtractor::setIntrinsics(const CameraIntrinsics& intrinsics) {
-  work_ = std::make_unique<Work>(intrinsics, config_);
+  auto next = std::make_unique<Work>(intrinsics, config_);
+  if (work_) {
+    next->goal = work_->goal;
+    next->reader = std::move(work_->reader);
+    next->last_views = std::move(work_->last_views);
+  }
+  work_ = std::move(next);
   features_ = MatchFeatures();
   features_.detector = kNames[static_cast<int>(config_.detector)];
 }
 
-void MatchExtractor::clearReference() {
-  work_->goal = Keypoints();
-  work_->reference_stamp_ns = kNoStamp;
-  work_->z_star_m = MatchFeatures::kNone;
+void MatchExtractor::clearReference() { work_->goal = Goal(); }
+
+std::function<void()> MatchExtractor::undo() {
+  return [this, goal = std::make_shared<const Goal>(work_->goal)] { work_->goal = *goal; };
 }
 
 void MatchExtractor::setReference(const ImageView& image, double z_star_m, const DepthView* depth) {
-  clearReference();
   work_->look(image, depth);
-  work_->adopt(work_->seen, z_star_m, config_.min_matches);
+  work_->adopt(work_->seen, z_star_m, kNoStamp, config_.min_matches);
 }
 
 void MatchExtractor::teach(std::int64_t stamp_ns, double z_star_m) {
-  const Keypoints& goal = work_->last_views.at(stamp_ns);
-  clearReference();
-  work_->adopt(goal, z_star_m, config_.min_matches);
-  work_->reference_stamp_ns = stamp_ns;
+  work_->adopt(work_->last_views.at(stamp_ns), z_star_m, stamp_ns, config_.min_matches);
 }
 
-void MatchExtractor::Work::adopt(const Keypoints& view, double z_m, int least) {
+void MatchExtractor::Work::adopt(const Keypoints& view, double z_m, std::int64_t stamp_ns, int least) {
   requireDepth(z_m);
   if (view.count() < least)
     throw DegenerateFeature("matches reference: found an image with " + std::to_string(view.count()) +
@@ -123,7 +129,8 @@ void MatchExtractor::Work::adopt(const Keypoints& view, double z_m, int least) {
   goal.xy = view.xy;
   goal.z = view.z;
   goal.descriptors = view.descriptors.clone();
-  z_star_m = depths ? view.medianDepth() : z_m;
+  goal.stamp_ns = stamp_ns;
+  goal.z_star_m = depths ? view.medianDepth() : z_m;
 }
 
 const MatchFeatures& MatchExtractor::process(const ImageView& image, std::int64_t stamp_ns, const DepthView* depth) {
@@ -141,8 +148,8 @@ const MatchFeatures& MatchExtractor::process(const ImageView& image, std::int64_
   next.has_reference = w.goal.count() > 0;
   next.keypoints = w.seen.count();
   next.goal_keypoints = w.goal.count();
-  next.z_star_m = w.z_star_m;
-  next.reference_stamp_ns = w.reference_stamp_ns;
+  next.z_star_m = w.goal.z_star_m;
+  next.reference_stamp_ns = w.goal.stamp_ns;
   next.depth_fault = w.seen.depth_fault;
   if (w.depths && w.seen.count() >= config_.min_matches && w.seen.withDepth() < config_.min_matches) {
     next.fault = lacksDepth(w.seen, config_.min_matches);
@@ -209,7 +216,7 @@ void MatchExtractor::matchInSpace(MatchFeatures* features) const {
   std::vector<cv::Vec3d> points;
   cv::Vec3d middle;
   for (const cv::Point2d& p : w.goal.box()) {
-    points.push_back(motion ? motion->apply(w.z_star_m * cv::Vec3d(p.x, p.y, 1.0)) : cv::Vec3d());
+    points.push_back(motion ? motion->apply(w.goal.z_star_m * cv::Vec3d(p.x, p.y, 1.0)) : cv::Vec3d());
     middle += 0.25 * points.back();
   }
   const bool ahead = std::all_of(points.begin(), points.end(), [](const cv::Vec3d& P) { return P[2] > 0.0; });
@@ -229,7 +236,7 @@ void MatchExtractor::matchInSpace(MatchFeatures* features) const {
   features->xg = middle[0] / middle[2];
   features->yg = middle[1] / middle[2];
   cv::Matx33d H = motion->R;  // + t n^T / d of the plane of the four points, n = (0, 0, 1)
-  for (int row = 0; row < 3; ++row) H(row, 2) += motion->t[row] / w.z_star_m;
+  for (int row = 0; row < 3; ++row) H(row, 2) += motion->t[row] / w.goal.z_star_m;
   features->homography.assign(H.val, H.val + 9);
 }
 

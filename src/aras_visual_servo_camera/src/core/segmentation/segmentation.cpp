@@ -75,7 +75,8 @@ std::optional<Threshold> strictThreshold(ObjectShade object, double threshold) {
 
 struct Segmentation::Work {
   VisionConfig config;
-  cv::Mat grey_buffer, seeing, mean, binary;
+  GreyReader reader;
+  cv::Mat seeing, mean, binary;
   BlindArea blind;
   ComponentFinder finder;
   EdgeWeights edge_weights;
@@ -122,6 +123,8 @@ void Segmentation::setReferenceShape(double m00, const std::vector<double>& mu) 
 }
 
 void Segmentation::clearReferenceShape() { work_->reference_shape.reset(); }
+
+int Segmentation::white() const { return work_->reader.white(); }
 
 const std::vector<ObjectMask>& Segmentation::objects() const { return work_->objects; }
 
@@ -255,7 +258,7 @@ void Segmentation::Work::applyBorderMargin(int component) {
 
 const ObjectMask& Segmentation::process(const ImageView& image) {
   Work& w = *work_;
-  const cv::Mat grey = w.withoutBlind(greyOf(image, &w.grey_buffer));
+  const cv::Mat grey = w.withoutBlind(w.reader.read(image));
   const bool soft = w.config.segmentation == SegmentationMethod::kCoverage;
   ObjectMask empty;
   empty.width_px = image.width_px;

@@ -92,22 +92,26 @@ struct TagExtractor::Work {
     Corners corners;
   };
 
+  struct Goal : View {
+    std::int64_t stamp_ns = kNoStamp;
+    double z_star_m = TagFeatures::kNone;  // NaN: no goal
+  };
+
   CameraIntrinsics intrinsics;
   std::unique_ptr<TagFinder> finder;
-  cv::Mat buffer;
-  View seen, goal;
+  GreyReader reader;
+  View seen;
+  Goal goal;
   LastViews<View> last_views;
-  std::int64_t reference_stamp_ns = kNoStamp;
-  double z_star_m = TagFeatures::kNone;  // NaN: no reference
 
   void look(const ImageView& image, const TagConfig& config);
-  void adopt(const View& view, double z_m);  // as the goal
+  void adopt(const View& view, double z_m, std::int64_t stamp_ns);  // as the goal
 };
 
 void TagExtractor::Work::look(const ImageView& image, const TagConfig& config) {
   requireSize(image, intrinsics);
   seen = View();
-  const cv::Mat grey = greyOf(image, &buffer);
+  const cv::Mat grey = reader.read(image);
   const std::string name = "tag " + std::to_string(config.id) + " of " + config.family;
   std::string others;
   const SeenTag* found = nullptr;
@@ -159,36 +163,37 @@ TagExtractor::~TagExtractor() = default;
 const CameraIntrinsics& TagExtractor::intrinsics() const { return work_->intrinsics; }
 
 void TagExtractor::setIntrinsics(const CameraIntrinsics& intrinsics) {
-  work_ = std::make_unique<Work>(intrinsics, config_);
+  if (work_) {
+    work_->intrinsics = intrinsics;
+  } else {
+    work_ = std::make_unique<Work>(intrinsics, config_);
+  }
   features_ = TagFeatures();
   features_.family = config_.family;
   features_.id = config_.id;
 }
 
-void TagExtractor::clearReference() {
-  work_->goal = Work::View();
-  work_->reference_stamp_ns = kNoStamp;
-  work_->z_star_m = TagFeatures::kNone;
+void TagExtractor::clearReference() { work_->goal = Work::Goal(); }
+
+std::function<void()> TagExtractor::undo() {
+  return [this, goal = work_->goal] { work_->goal = goal; };
 }
 
 void TagExtractor::setReference(const ImageView& image, double z_star_m) {
-  clearReference();
   work_->look(image, config_);
-  work_->adopt(work_->seen, z_star_m);
+  work_->adopt(work_->seen, z_star_m, kNoStamp);
 }
 
 void TagExtractor::teach(std::int64_t stamp_ns, double z_star_m) {
-  const Work::View& view = work_->last_views.at(stamp_ns);
-  clearReference();
-  work_->adopt(view, z_star_m);
-  work_->reference_stamp_ns = stamp_ns;
+  work_->adopt(work_->last_views.at(stamp_ns), z_star_m, stamp_ns);
 }
 
-void TagExtractor::Work::adopt(const View& view, double z_m) {
+void TagExtractor::Work::adopt(const View& view, double z_m, std::int64_t stamp_ns) {
   requireDepth(z_m);
   if (!view.fault.empty()) throw DegenerateFeature("tag reference: " + view.fault);
-  goal = view;
-  z_star_m = z_m;
+  static_cast<View&>(goal) = view;
+  goal.stamp_ns = stamp_ns;
+  goal.z_star_m = z_m;
 }
 
 const TagFeatures& TagExtractor::process(const ImageView& image, std::int64_t stamp_ns) {
@@ -203,8 +208,8 @@ const TagFeatures& TagExtractor::process(const ImageView& image, std::int64_t st
   next.fault = w.seen.fault;
   next.target_visible = next.valid = next.fault.empty();
   next.has_reference = w.goal.fault.empty();
-  next.z_star_m = w.z_star_m;
-  next.reference_stamp_ns = w.reference_stamp_ns;
+  next.z_star_m = w.goal.z_star_m;
+  next.reference_stamp_ns = w.goal.stamp_ns;
   if (next.valid) {
     for (const cv::Point2d& p : w.seen.corners) {
       next.point_x.push_back(p.x);

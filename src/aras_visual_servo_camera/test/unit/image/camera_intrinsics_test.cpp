@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "aras_visual_servo_camera/image/pixel_map.hpp"
 #include "text_of.hpp"
 
 namespace aras_visual_servo_camera {
@@ -135,14 +136,36 @@ TEST(CameraIntrinsics, EachBadEntryIsNamed) {
 /** Numbers that made features which counted as valid and were not finite. */
 TEST(CameraIntrinsics, NumbersThatNoLensHasAreRefused) {
   for (const auto& [k, bad] : std::vector<std::pair<int, double>>{
-           {0, 1e-308}, {0, 1e-3}, {4, 1e300}, {4, 2e7}, {2, 1e18}, {2, -2e7}, {5, 1e300}, {5, 2e7}}) {
+           {0, 1e-308}, {0, 1.0}, {0, 6.3}, {4, 330e3}, {4, 1e300}, {2, 1e18}, {2, -2e7}, {5, 1e300}, {5, 2e7}}) {
     auto K = kK;
     K[k] = bad;
     EXPECT_NE(faultsOf(K, "none", {}).find("K[" + std::to_string(k) + "]"), std::string::npos) << bad;
   }
   EXPECT_NE(faultsOf(kK, "plumb_bob", {1e300, 0, 0, 0}).find("camera_info.D"), std::string::npos);
   EXPECT_NE(faultsOf(kK, "none", {}, 40000).find("camera_info.width"), std::string::npos);
-  EXPECT_EQ(faultsOf({1e-2, 0, 1e7, 0, 1e7, -1e7, 0, 0, 1}, "plumb_bob", {1e6, -1e6, 0, 0}, 32768, 1), "");
+  EXPECT_EQ(faultsOf({656, 0, 1e7, 0, 3.2e7, -1e7, 0, 0, 1}, "plumb_bob", {1e6, -1e6, 0, 0}, 32768, 1), "");
+}
+
+TEST(CameraIntrinsics, AKThatIsNoCalibrationIsRefused) {
+  const std::array<double, 9> identity{1, 0, 0, 0, 1, 0, 0, 0, 1}, parts{0.78, 0, 0.5, 0, 1.04, 0.5, 0, 0, 1};
+  for (const auto& K : {identity, parts}) {
+    for (const int side : {4, 40, 640, 4000}) {
+      const std::string faults = faultsOf(K, "none", {}, side, side);
+      EXPECT_NE(faults.find("K[0] (fx)"), std::string::npos) << side;
+      EXPECT_EQ(faults.find("K[4] (fy)") != std::string::npos, side > 40 || K == identity) << side;
+    }
+  }
+}
+
+TEST(CameraIntrinsics, NoLensHasCoordinatesBeyondTheWidestAngle) {
+  for (const Lens& lens : std::vector<Lens>{{"none", {}}, {"plumb_bob", {1e-3, 0, 0, 0}}}) {
+    const CameraIntrinsics camera(640, 480, {25, 0, 319.5, 0, 25, 239.5, 0, 0, 1}, lens.model, lens.D);
+    EXPECT_TRUE(camera.undistort(319.5 + 25 * 5.5, 239.5).valid) << lens.model;  // tan of 80 degrees is 5.67
+    EXPECT_FALSE(camera.undistort(319.5 + 25 * 6.5, 239.5).valid) << lens.model;
+    const PixelMap map(camera);
+    EXPECT_TRUE(map.sees(320, 240));
+    EXPECT_FALSE(map.sees(0, 0));
+  }
 }
 
 TEST(CameraIntrinsics, PrincipalPointOutsideTheImageIsAllowed) {
@@ -174,6 +197,44 @@ TEST(CameraInfo, IsReadFromAMapping) {
       "{width: 320, height: 240, K: [195.05, 0, 150, 0, 190, 130, 0, 0, 1], D: [], distortion_model: plumb_bob, "
       "frame_id: camera, P: [], R: []}");
   EXPECT_TRUE(readCameraInfo(node) == CameraIntrinsics(320, 240, kK, "plumb_bob", {}));
+}
+
+constexpr char kSensor[] = "width: 2560, height: 1920, K: [2000, 0, 1279.5, 0, 1900, 959.5, 0, 0, 1], D: [-0.2, 0.1, 0, 0], "
+    "distortion_model: plumb_bob";
+
+CameraIntrinsics readOut(const std::string& more) { return readCameraInfo(YAML::Load("{" + std::string(kSensor) + more + "}")); }
+
+TEST(CameraInfo, ABinnedPixelLooksWhereThePixelsItIsMadeOfDo) {
+  const CameraIntrinsics sensor = readOut("");
+  const CameraIntrinsics image = readOut(
+      ", binning_x: 4, binning_y: 2, roi: {x_offset: 640, y_offset: 480, width: 1600, height: 1200, do_rectify: false}");
+  EXPECT_EQ(image.width(), 400);
+  EXPECT_EQ(image.height(), 600);
+  for (const double u : {0.0, 17.0, 399.0}) {
+    for (const double v : {0.0, 300.0, 599.0}) {
+      const auto ray = image.undistort(u, v), same = sensor.undistort(640 + 4 * u + 1.5, 480 + 2 * v + 0.5);
+      EXPECT_NEAR(ray.x, same.x, 1e-12);
+      EXPECT_NEAR(ray.y, same.y, 1e-12);
+    }
+  }
+}
+
+TEST(CameraInfo, OfTheWholeSensorIsLeftAsItIs) {
+  EXPECT_TRUE(readOut("") == readOut(", binning_x: 1, binning_y: 0, roi: {width: 2560, height: 1920}"));
+}
+
+TEST(CameraInfo, ARegionOutsideTheSensorAndABinnedKOfAnotherSizeAreRefused) {
+  const auto faults = [](const std::string& more) { return testing::textOf<ParameterError>([&] { readOut(more); }); };
+  EXPECT_NE(faults(", roi: {x_offset: 1, width: 2560, height: 1920}").find("camera_info.roi.x_offset"), std::string::npos);
+  EXPECT_NE(faults(", roi: {y_offset: 1}").find("camera_info.roi.y_offset"), std::string::npos);
+  EXPECT_NE(faults(", binning_x: 2561").find("camera_info.binning_x"), std::string::npos);
+  EXPECT_NE(faults(", roi: {x: 3}").find("camera_info.roi.x"), std::string::npos);
+  const std::string binned = testing::textOf<ParameterError>([] {
+    readCameraInfo(YAML::Load("{width: 640, height: 480, K: [2000, 0, 1279.5, 0, 2000, 959.5, 0, 0, 1], D: [], "
+                              "distortion_model: '', binning_x: 4, binning_y: 4}"));
+  });
+  EXPECT_NE(binned.find("camera_info.width: found 640"), std::string::npos) << binned;
+  EXPECT_NE(binned.find("camera_info.height: found 480"), std::string::npos) << binned;
 }
 
 TEST(CameraInfo, MissingAndUnknownKeysAreAllListed) {

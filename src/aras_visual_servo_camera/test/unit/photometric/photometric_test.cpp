@@ -83,14 +83,38 @@ TEST(Photometric, PixelsThatNoRayReachesAreLeftOut) {
   for (double h : features.H) EXPECT_TRUE(std::isfinite(h));
 }
 
-TEST(Photometric, AnotherCameraHasNoReference) {
+TEST(Photometric, AReferenceThatAnotherCameraCannotUseIsToldAndComesBackWithItsOwn) {
+  const CameraIntrinsics camera = cameraOf(160, 120, false);
+  for (const double f : {50.0, 85.0, 130.0}) {  // far too coarse, beyond the border of the reference's image, too fine
+    PhotometricExtractor extractor(camera, testing::usualPhotometric());
+    const GreyImage image = waves(160, 120, 0.0);
+    extractor.setReference(image.view(), 0.5);
+    const PhotometricFeatures before = extractor.process(image.view());
+    extractor.setIntrinsics(CameraIntrinsics(160, 120, {f, 0, 80, 0, f, 60, 0, 0, 1}, "", {}));
+    const PhotometricFeatures without = extractor.process(image.view());
+    EXPECT_FALSE(without.has_reference || without.valid) << f;
+    EXPECT_NE(without.fault.find("teach it again"), std::string::npos) << without.fault;
+    EXPECT_EQ(without.reference_hash, 0u);
+    extractor.setIntrinsics(camera);
+    const PhotometricFeatures after = extractor.process(image.view());
+    EXPECT_TRUE(after.has_reference && after.valid) << after.fault;
+    EXPECT_EQ(after.H, before.H);
+    EXPECT_EQ(after.reference_hash, before.reference_hash);
+  }
+}
+
+TEST(Photometric, APartOfTheSameCameraSeesTheSameReference) {
   PhotometricExtractor extractor(cameraOf(160, 120, false), testing::usualPhotometric());
-  const GreyImage image = waves(160, 120, 0.0), small = waves(80, 60, 0.0);
+  GreyImage image = waves(160, 120, 0.0);
   extractor.setReference(image.view(), 0.5);
-  extractor.setIntrinsics(cameraOf(80, 60, false));
+  extractor.setIntrinsics(CameraIntrinsics(80, 60, {100, 0, 40, 0, 100, 30, 0, 0, 1}, "", {}));
   EXPECT_THROW(extractor.process(image.view()), ShapeError);
-  EXPECT_FALSE(extractor.process(small.view()).has_reference);
-  EXPECT_EQ(extractor.features().reference_hash, 0u);
+  GreyImage part(80, 60, 0);
+  for (int v = 0; v < 60; ++v)
+    for (int u = 0; u < 80; ++u) part.at(u, v) = image.at(u + 40, v + 30);
+  const PhotometricFeatures features = extractor.process(part.view());
+  EXPECT_TRUE(features.has_reference && features.valid) << features.fault;
+  EXPECT_EQ(features.rms, 0.0);
 }
 
 TEST(Photometric, APlaneThatIsNotInFrontOfEveryPixelIsRefused) {
@@ -102,7 +126,8 @@ TEST(Photometric, APlaneThatIsNotInFrontOfEveryPixelIsRefused) {
     EXPECT_EQ(testing::textOf<ParameterError>([&] { extractor.setReference(image.view(), plane); }),
               "photometric reference: found a plane that is not in front of every pixel, allowed 1/Z > 0")
         << plane.A << " " << plane.B << " " << plane.C;
-  EXPECT_FALSE(extractor.process(image.view()).has_reference);
+  EXPECT_TRUE(extractor.process(image.view()).has_reference);
+  EXPECT_EQ(extractor.features().z_star_m, 1.0);
 }
 
 }  // namespace

@@ -180,10 +180,15 @@ def decode_depth(message: Any) -> np.ndarray:
 
 
 def camera_info_of(message: Any) -> Dict[str, Any]:
-    """A sensor_msgs/CameraInfo as the dict of `Simulation.camera_info`."""
-    return {"width": message.width, "height": message.height, "K": list(message.K), "D": list(message.D),
+    """A sensor_msgs/CameraInfo as the dict of `Simulation.camera_info`, K and size being those of the images."""
+    roi = {key: getattr(message.roi, key) for key in ("x_offset", "y_offset", "width", "height")}
+    info = {"width": message.width, "height": message.height, "K": list(message.K), "D": list(message.D),
             "distortion_model": message.distortion_model, "P": list(message.P), "R": list(message.R),
             "frame_id": message.header.frame_id}
+    if message.binning_x <= 1 and message.binning_y <= 1 and not any(roi.values()):
+        return info
+    from aras_visual_servo_camera import image_info  # here, as most bags do without
+    return image_info({**info, "binning_x": message.binning_x, "binning_y": message.binning_y, "roi": roi})
 
 
 def settings_of(scenario: Optional[Scenario], document: Any, notes: List[str]) -> Tuple[Dict[str, Any], str]:
