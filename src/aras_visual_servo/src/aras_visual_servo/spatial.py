@@ -84,6 +84,14 @@ def transform(R: np.ndarray, p: Union[np.ndarray, Sequence[float]]) -> np.ndarra
     return X
 
 
+def mean_pose(poses: np.ndarray) -> np.ndarray:
+    """The mean, (4, 4), of poses that are close to each other, (N, 4, 4)."""
+    if (poses == poses[0]).all():
+        return poses[0]
+    U, _, Vt = np.linalg.svd(poses[:, :3, :3].mean(axis=0))
+    return transform(U @ Vt, poses[:, :3, 3].mean(axis=0))
+
+
 def skew(vector: Any) -> np.ndarray:
     """[v]x, (3, 3), of a vector, (3,): [v]x w is the cross product v x w."""
     x, y, z = vector

@@ -16,6 +16,28 @@ constexpr double kNearHalfTurn = -0.9;
 constexpr double kNoTurn = 1e-9;
 
 double positionOf(const Vector6& pose) { return std::sqrt(pose[0] * pose[0] + pose[1] * pose[1] + pose[2] * pose[2]); }
+/** A pose times a matrix, written out: Eigen's own sums depend on the width of the processor's registers. */
+Vector6 transformed(const Arrival::Matrix6& matrix, const Vector6& pose) {
+  Vector6 result;
+  for (int i = 0; i < 6; ++i) {
+    result[i] = 0.0;
+    for (int j = 0; j < 6; ++j) result[i] += matrix(i, j) * pose[j];
+  }
+  return result;
+}
+
+/** The variances of the components of matrix * x, where x has this covariance. */
+Vector6 varianceThrough(const Arrival::Matrix6& matrix, const Arrival::Matrix6& covariance) {
+  Vector6 result;
+  for (int i = 0; i < 6; ++i) {
+    double sum = 0.0;
+    for (int j = 0; j < 6; ++j)
+      for (int k = 0; k < 6; ++k) sum += matrix(i, j) * covariance(j, k) * matrix(i, k);
+    result[i] = std::max(sum, 0.0);
+  }
+  return result;
+}
+
 double rotationOf(const Vector6& pose) { return std::sqrt(pose[3] * pose[3] + pose[4] * pose[4] + pose[5] * pose[5]); }
 
 }  // namespace
@@ -41,13 +63,14 @@ Vector6 between(const PoseRef& X_A, const PoseRef& X_B) {
 }
 
 Arrival::Arrival(const Numbers& thresholds, std::int64_t hold_ns, std::int64_t kept_ns, const Limits& limits,
-                 double sure, int taught_images)
+                 double sure, int taught_images, Model model)
     : thresholds_(thresholds),
       hold_ns_(hold_ns),
       kept_ns_(kept_ns),
       limits_(limits),
       sure_(sure),
-      taught_images_(taught_images) {}
+      taught_images_(taught_images),
+      model_(std::move(model)) {}
 
 void Arrival::clear() {
   errors_.clear();
@@ -71,7 +94,7 @@ std::pair<Arrival::Numbers, double> Arrival::features(std::int64_t stamp_ns, con
 }
 
 Arrival::Place Arrival::place(std::int64_t stamp_ns, const Eigen::Ref<const Vector6>& moved,
-                              const Eigen::Ref<const Vector6>& pose) {
+                              const Eigen::Ref<const Vector6>& pose, double edge_variance) {
   seen_.push_back({stamp_ns, moved, pose - moved});
   while (stamp_ns - seen_.front().stamp_ns > kept_ns_) seen_.pop_front();
 
@@ -81,7 +104,7 @@ Arrival::Place Arrival::place(std::int64_t stamp_ns, const Eigen::Ref<const Vect
     return positionOf(way) < limits_.position_m && rotationOf(way) < limits_.rotation_rad;
   };
   std::vector<const Seen*> near;
-  Vector6 mean = Vector6::Zero(), variance = Vector6::Zero();
+  Vector6 mean = Vector6::Zero();
   for (const Seen& seen : seen_) {
     if (!isNear(seen)) continue;
     near.push_back(&seen);
@@ -89,20 +112,42 @@ Arrival::Place Arrival::place(std::int64_t stamp_ns, const Eigen::Ref<const Vect
   }
   const auto count = static_cast<double>(near.size());
   mean /= count;
-  for (const Seen* seen : near) variance += (seen->off - mean).cwiseAbs2();
-  const Vector6 unsure = sure_ * sure_ * (1.0 / count + 1.0 / taught_images_) * (variance / count);
+  const double parts = sure_ * sure_ * (1.0 / count + 1.0 / taught_images_) / count;
 
-  Place place{0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
-  for (const Seen& seen : seen_) {
-    if (seen.stamp_ns < stamp_ns - hold_ns_) continue;
-    const Vector6 where = mean + seen.moved, way = seen.moved - moved;
-    place.off = std::max({place.off, positionOf(where) / limits_.position_m, rotationOf(where) / limits_.rotation_rad});
-    place.moved = std::max({place.moved, positionOf(way) / limits_.position_m, rotationOf(way) / limits_.rotation_rad});
-    const Vector6 farthest = (where.cwiseAbs2() + unsure).cwiseSqrt();
-    place.position_m = positionOf(farthest);
-    place.rotation_rad = rotationOf(farthest);
-    place.position = std::max(place.position, place.position_m / limits_.position_m);
-    place.turn = std::max(place.turn, place.rotation_rad / limits_.rotation_rad);
+  Place place{0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+  for (std::size_t k = 0; k < model_.planes.size(); ++k) {
+    const Matrix6& plane = model_.planes[k];
+    const auto through = [&](const Vector6& pose) { return k == 0 ? pose : transformed(plane, pose); };
+    Vector6 scatter = Vector6::Zero();
+    for (const Seen* seen : near) scatter += through(seen->off - mean).cwiseAbs2();
+    const Vector6 noise = parts * scatter;
+    // What differs between images of one place is noise, and so are the steps of grey levels then.
+    const Vector6 edges =
+        sure_ * sure_ *
+        (edge_variance * varianceThrough(plane, model_.edges) - 0.5 * scatter / count).cwiseMax(Vector6::Zero());
+    const Vector6 limits_met = edges.cwiseSqrt();
+    place.open = std::max(
+        {place.open, positionOf(limits_met) / limits_.position_m, rotationOf(limits_met) / limits_.rotation_rad});
+    for (const Seen& seen : seen_) {
+      if (seen.stamp_ns < stamp_ns - hold_ns_) continue;
+      const Vector6 where = through(mean + seen.moved);
+      const double off = std::max(positionOf(where) / limits_.position_m, rotationOf(where) / limits_.rotation_rad);
+      place.off = std::max(place.off, off);
+      const Vector6 by_images = (where.cwiseAbs2() + noise).cwiseSqrt();
+      const Vector6 farthest = (where.cwiseAbs2() + noise + edges).cwiseSqrt();
+      const double position_m = positionOf(farthest), rotation_rad = rotationOf(farthest);
+      place.known = std::max({place.known, position_m / limits_.position_m, rotation_rad / limits_.rotation_rad});
+      if (&seen == &seen_.back()) {
+        place.position_m = std::max(place.position_m, position_m);
+        place.rotation_rad = std::max(place.rotation_rad, rotation_rad);
+      }
+      if (k > 0) continue;
+      const Vector6 way = seen.moved - moved;
+      place.moved =
+          std::max({place.moved, positionOf(way) / limits_.position_m, rotationOf(way) / limits_.rotation_rad});
+      place.position = std::max(place.position, positionOf(by_images) / limits_.position_m);
+      place.turn = std::max(place.turn, rotationOf(by_images) / limits_.rotation_rad);
+    }
   }
   return place;
 }

@@ -19,23 +19,31 @@ class Arrival {
  public:
   using Numbers = std::vector<double>;
   using Vector6 = Eigen::Matrix<double, 6, 1>;
+  using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
   struct Limits {
     double position_m, rotation_rad, tilt_rad;
+  };
+  /** What the images cannot tell by themselves of the displacements that they stand for. */
+  struct Model {
+    Matrix6 edges = Matrix6::Zero();  ///< covariance for a variance of 1 of the place of the object's sides
+    std::vector<Matrix6> planes = {Matrix6::Identity()};  ///< what a displacement may be instead, the first itself
   };
   /** All but the two last are parts of the limits, 1 where a limit is met. */
   struct Place {
     double off;                       ///< farthest that the mean place was from the goal in the last hold_ns
     double moved;                     ///< farthest that the camera was in that time from where it is now
     double position, turn;            ///< as `off`, the uncertainty of the mean counted as distance
-    double position_m, rotation_rad;  ///< of now, likewise
+    double known;                     ///< the larger of both with what the model leaves open
+    double open;                      ///< the part of `known` that more images do not make smaller
+    double position_m, rotation_rad;  ///< of now, with all that
   };
 
   /** @param thresholds  of the features.  @param hold_ns  for which the servo has to be at the goal
    *  @param kept_ns  for which images tell the place.  @param sure  standard errors of a mean that count as distance
    *  @param taught_images  whose mean is the goal */
   Arrival(const Numbers& thresholds, std::int64_t hold_ns, std::int64_t kept_ns, const Limits& limits, double sure,
-          int taught_images);
+          int taught_images, Model model);
 
   void clear();
 
@@ -46,8 +54,10 @@ class Arrival {
   std::pair<Numbers, double> features(std::int64_t stamp_ns, const Numbers& e, double tilt_rad);
 
   /** Takes the pose of one image in.
-   *  @param moved  of the camera by the joints, since any fixed instant.  @param pose  by the image, from the goal */
-  Place place(std::int64_t stamp_ns, const Eigen::Ref<const Vector6>& moved, const Eigen::Ref<const Vector6>& pose);
+   *  @param moved  of the camera by the joints, since any fixed instant.  @param pose  by the image, from the goal
+   *  @param edge_variance  of the place of the object's sides, in this image and at the goal together */
+  Place place(std::int64_t stamp_ns, const Eigen::Ref<const Vector6>& moved, const Eigen::Ref<const Vector6>& pose,
+              double edge_variance);
 
  private:
   struct Errors {
@@ -65,6 +75,7 @@ class Arrival {
   Limits limits_;
   double sure_;
   int taught_images_;
+  Model model_;
   std::deque<Errors> errors_;
   std::deque<Seen> seen_;
 };

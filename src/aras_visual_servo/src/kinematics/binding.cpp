@@ -70,22 +70,25 @@ void bindArrival(py::module_& module) {
   module.def("between", &between, py::arg("X_A"), py::arg("X_B"));
   py::class_<Arrival>(module, "Arrival")
       .def(py::init([](const std::vector<double>& thresholds, std::int64_t hold_ns, std::int64_t kept_ns,
-                       double position_m, double rotation_rad, double tilt_rad, double sure, int taught_images) {
-             return Arrival(thresholds, hold_ns, kept_ns, {position_m, rotation_rad, tilt_rad}, sure, taught_images);
+                       double position_m, double rotation_rad, double tilt_rad, double sure, int taught_images,
+                       const Arrival::Matrix6& edges, const std::vector<Arrival::Matrix6>& planes) {
+             return Arrival(thresholds, hold_ns, kept_ns, {position_m, rotation_rad, tilt_rad}, sure, taught_images,
+                            {edges, planes});
            }),
            py::arg("thresholds"), py::arg("hold_ns"), py::arg("kept_ns"), py::arg("position_m"),
-           py::arg("rotation_rad"), py::arg("tilt_rad"), py::arg("sure"), py::arg("taught_images"))
+           py::arg("rotation_rad"), py::arg("tilt_rad"), py::arg("sure"), py::arg("taught_images"), py::arg("edges"),
+           py::arg("planes"))
       .def("clear", &Arrival::clear)
       .def("features", &Arrival::features, py::arg("stamp_ns"), py::arg("e"), py::arg("tilt_rad"))
       .def(
           "place",
           [](Arrival& self, std::int64_t stamp_ns, const Eigen::Ref<const Arrival::Vector6>& moved,
-             const Eigen::Ref<const Arrival::Vector6>& pose) {
-            const Arrival::Place place = self.place(stamp_ns, moved, pose);
-            return std::make_tuple(place.off, place.moved, place.position, place.turn, place.position_m,
-                                   place.rotation_rad);
+             const Eigen::Ref<const Arrival::Vector6>& pose, double edge_variance) {
+            const Arrival::Place place = self.place(stamp_ns, moved, pose, edge_variance);
+            return std::make_tuple(place.off, place.moved, place.position, place.turn, place.known, place.open,
+                                   place.position_m, place.rotation_rad);
           },
-          py::arg("stamp_ns"), py::arg("moved"), py::arg("pose"));
+          py::arg("stamp_ns"), py::arg("moved"), py::arg("pose"), py::arg("edge_variance"));
 }
 
 void bindLimits(py::module_& module) {

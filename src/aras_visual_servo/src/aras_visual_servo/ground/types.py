@@ -34,10 +34,11 @@ class Status(IntEnum):
     STOPPED = 8
     FAULT = 9
     STOPPED_BY_RULE = 10
+    SETTLED = 11
 
 
 #: Statuses that end the servo phase; only a new start moves the arm again.
-FINAL = (Status.CONVERGED, Status.TIMED_OUT, Status.STOPPED, Status.FAULT, Status.STOPPED_BY_RULE)
+FINAL = (Status.CONVERGED, Status.TIMED_OUT, Status.STOPPED, Status.FAULT, Status.STOPPED_BY_RULE, Status.SETTLED)
 
 #: Steps of an experiment, in order (ServoState.phase); "idle" before it starts.
 PHASES = ("idle", "to_goal", "settle_goal", "teach", "to_start", "settle_start", "servo", "done")
@@ -71,6 +72,7 @@ class Features:
     reference_stamp_ns: int = -1
     orientation_condition: float = nan
     asymmetry: float = nan
+    edge_stddev: float = nan
     moment_names: Sequence[str] = ()
     m: Sequence[float] = ()
     mu: Sequence[float] = ()
@@ -188,7 +190,7 @@ class Reference:
         if self.posture is not None:
             result["posture"] = {name: float(q) for name, q in self.posture.items()}
         if self.view is not None:
-            values = {key: np.asarray(getattr(self.view, key), dtype=float) for key in (*_VIEW, *VIEW_POINTS)}
+            values = {key: np.asarray(getattr(self.view, key), dtype=float) for key in (*_VIEW, *_WHERE_KNOWN)}
             result["view"] = {"moment_names": list(self.view.moment_names), **{
                 key: value.tolist() for key, value in values.items()
                 if key in _VIEW or value.size and np.isfinite(value).all()}}  # holes of depth are NaN
@@ -218,20 +220,22 @@ class Reference:
 VIEW_FIELDS = ("xn", "yn", "an", "alpha", "z_star_m", "area_star")
 #: ... and the followed points and the kernel projections, where there are any.
 VIEW_POINTS = ("point_x", "point_y", "point_z", "ray_x", "ray_y", "ray_z", "kernel_x", "kernel_y")
-_VIEW = ("m", "mu", *VIEW_FIELDS)
-_OPTIONAL: Dict[str, Any] = {"ambiguous": False, "reference_stamp_ns": -1, "depth_fault": "", "age_s": nan,
+_VIEW, _WHERE_KNOWN = ("m", "mu", *VIEW_FIELDS), (*VIEW_POINTS, "edge_stddev")
+_OPTIONAL: Dict[str, Any] = {"ambiguous": False, "reference_stamp_ns": -1, "depth_fault": "", "age_s": nan, "edge_stddev": nan,
                              **dict.fromkeys(VIEW_POINTS, ())}
 
 
 def _view(source, faults):
     """Features of the dict that `Reference.to_dict` makes of a view."""
     needed = ("moment_names", *_VIEW)
-    if not isinstance(source, Mapping) or set(source) - set(VIEW_POINTS) != set(needed):
+    if not isinstance(source, Mapping) or set(source) - set(_WHERE_KNOWN) != set(needed):
         faults.append(f"reference.view: found {source}, allowed {', '.join(needed)} and, if any, "
-                      f"{', '.join(VIEW_POINTS)}")
+                      f"{', '.join(_WHERE_KNOWN)}")
         return None
     names = tuple(map(str, source["moment_names"]))
     shapes = {key: () if key in VIEW_FIELDS else (len(names),) for key in _VIEW}
+    if "edge_stddev" in source:
+        shapes["edge_stddev"] = ()
     for key in VIEW_POINTS:  # x and y come as a pair: both or neither; z may be missing
         along_x = source.get(key[:-1] + "x")
         if along_x and (key in source or not key.endswith("z")):

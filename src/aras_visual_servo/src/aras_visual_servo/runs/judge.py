@@ -12,7 +12,7 @@ import numpy as np
 from .record import RunRecord
 from ..features.base import spread
 from ..ground.errors import ArasError
-from ..spatial import inverse, rotation_angle
+from ..spatial import mean_pose, rotation_angle
 from ..ground.types import FEATURE_NAMES, Status
 
 if TYPE_CHECKING:
@@ -37,8 +37,9 @@ class Judgement:
 
     Attributes:
         converged: features, tilt and pose were within their thresholds.  reason: the last status in words.
+        settled: the servo has arrived as far as its features tell (SETTLED); the reason says what is not known.
         stopped_by_rule: the published stop rule was met, which the scenario asks for in place of converging.
-        passed: one of both, and the true final error is within the scenario's `experiment.judge`.
+        passed: one of the three, and the true final error is within the scenario's `experiment.judge`.
         faults: why the run did not pass, one line each.
         duration_s: simulated seconds from the first servo image to the one that ended it.
         final_error: x_mm, y_mm, z_mm of p_CgC in the goal camera frame Cg and the total angle_deg of R_CgC; eye-to-hand
@@ -63,6 +64,7 @@ class Judgement:
     limits: dict
     images: int
     stopped_by_rule: bool = False
+    settled: bool = False
 
 
 def run(scenario: "Scenario", progress: Optional[Callable[[float, str], None]] = None,
@@ -90,10 +92,11 @@ def judge(record: RunRecord) -> Judgement:
     first, last = int(rows[0]), int(rows[-1])
     converged = bool(record.status[last] == Status.CONVERGED)
     stopped_by_rule = bool(record.status[last] == Status.STOPPED_BY_RULE)
+    settled = bool(record.status[last] == Status.SETTLED)
     final_error = true_error(record, last)
     limits = dict(record.settings.get("experiment", {}).get("judge", {}))
     reason = str(record.status_text[last]) or Status(int(record.status[last])).name
-    faults = [] if converged or stopped_by_rule else [f"not converged: {reason}"]
+    faults = [] if converged or stopped_by_rule or settled and limits else [f"not converged: {reason}"]
     for key, limit in limits.items():
         if not abs(final_error[key]) <= limit:
             faults.append(f"{key}: found {final_error[key]:.4g}, allowed +-{limit:g}")
@@ -102,13 +105,14 @@ def judge(record: RunRecord) -> Judgement:
         duration_s=float((record.stamp_ns[last] - record.stamp_ns[first]) * 1e-9),
         final_error=final_error, initial_error=true_error(record, first),
         final_feature_error=dict(zip(record.feature_names, record.e[_last_finite(record.e, rows)].tolist())),
-        gains_per_s=_promised_rates(record), limits=limits, images=len(rows), stopped_by_rule=stopped_by_rule)
+        gains_per_s=_promised_rates(record), limits=limits, images=len(rows), stopped_by_rule=stopped_by_rule,
+        settled=settled)
 
 
 def goal_pose(record: RunRecord, row: Any) -> np.ndarray:
     """X_WCg, (4, 4), at an image: the camera's taught pose relative to the target, for the target's pose at that
-    image."""
-    X_WCg = record.X_WC[record.taught_row]
+    image. Of several taught images it is the mean."""
+    X_WCg = record.taught_pose
     if record.target_poses is None:
         return X_WCg
     then, now = record.target_poses[record.taught_row], record.target_poses[row]
@@ -123,7 +127,8 @@ def true_error(record: RunRecord, row: Any) -> Dict[str, float]:
     """
     if not record.eye_to_hand or record.target_poses is None:
         return pose_error(goal_pose(record, row), record.X_WC[row])
-    goal, here = (inverse(record.X_WC[at]) @ record.target_poses[at] for at in (record.taught_row, row))
+    goal, here = (mean_pose(np.linalg.inv(record.X_WC[at]) @ record.target_poses[at])
+                  for at in (record.taught_rows, np.array([row])))
     x_mm, y_mm, z_mm = (1e3 * (here[:3, 3] - goal[:3, 3])).tolist()
     return {"x_mm": x_mm, "y_mm": y_mm, "z_mm": z_mm,
             "angle_deg": math.degrees(rotation_angle(goal[:3, :3].T @ here[:3, :3]))}

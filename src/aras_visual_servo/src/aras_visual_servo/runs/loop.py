@@ -170,6 +170,7 @@ class ServoLoop(SimulatedCell):
             if self.servo.why_lost(seen):
                 raise ParameterError("target not in view at the goal")
             taught = self.sequence.teach_more(stamp_ns, seen, q, z_star_m)
+            self.sim.set_command({}, self.sequence.hold(Observation(stamp_ns, seen, q)).velocity, None, stamp_ns)
             record = ServoRecord(stamp_ns, Status.IDLE, "taught", "teach", joint_names=self.kinematics.joint_names, q=q,
                                  set_point=np.full(len(q), np.nan))
             answer = record, self.camera_pose(), features, image, self.moving_target_pose()
@@ -227,8 +228,10 @@ class ServoLoop(SimulatedCell):
         if self.sequence.done:
             end_ns = record.stamp_ns + round(closing_s * 1e9)
             while self.sim.next_image_ns(self.camera) <= end_ns:  # drawn for the run hash; nobody asks what they show
-                last_ns, _, _ = self.take()
+                last_ns, _, q = self.take()
                 self.frame += 1
+                command, _ = self.sequence.step(Observation(last_ns, None, q, self.frame))
+                self.sim.set_command(command.position, command.velocity, None, last_ns)
                 self._tell(progress, last_ns, record.phase)
             self.sim.step(max(0, (end_ns - self.sim.time_ns) // self.sim.period_ns))
         else:

@@ -14,7 +14,8 @@ import numpy as np
 from ..ground.errors import ShapeError
 from ..ground.images import eight_bit
 from ..ground.types import FEATURE_NAMES, FINAL
-from ..spatial import plane_depth
+from ..spatial import inverse, mean_pose, plane_depth, rotation_angle
+from .teaching import still
 
 TWIST_NAMES = ("vx", "vy", "vz", "wx", "wy", "wz")
 RAW_NAMES = ("area", "xg", "yg", "alpha")
@@ -119,6 +120,23 @@ class RunRecord:
         rows = self.rows("teach")
         places = self.X_WC[rows, :3, 3]
         return rows[np.linalg.norm(places - places.mean(axis=0), axis=1).argmin()]
+
+    @cached_property
+    def taught_pose(self) -> np.ndarray:
+        """(4, 4), X_WC of the taught view: of several averaged images the mean."""
+        return mean_pose(self.X_WC[self.taught_rows])
+
+    @cached_property
+    def taught_rows(self) -> np.ndarray:
+        """Rows of the images whose mean is the taught view: (j,) int. `runs.teaching` leaves out those before the camera
+        was still."""
+        rows, judge = self.rows("teach"), self.settings.get("experiment", {}).get("judge")
+        if judge is None or not len(rows):
+            return rows
+        still_m, still_rad = still(**judge)
+        away = [inverse(self.X_WC[rows[-1]]) @ X for X in self.X_WC[rows]]
+        near = [np.linalg.norm(X[:3, 3]) <= still_m and rotation_angle(X[:3, :3]) <= still_rad for X in away]
+        return rows[len(near) - near[::-1].index(False):] if False in near else rows
 
     @cached_property
     def servo_rows(self) -> np.ndarray:

@@ -24,6 +24,13 @@ from .settings import ExperimentSettings
 from .teaching import Teaching
 
 
+#: While the goal is taught and after the end the joints are held where they are: each velocity is this times the way back [1/s]. Set-points that stand
+#: still would not do, since the integrators of joint controllers go on working off friction.
+HOLD_PER_S = 2.0
+#: Ends after which that is done.
+HELD = (Status.CONVERGED, Status.SETTLED, Status.STOPPED_BY_RULE)
+
+
 @dataclass
 class SequenceResult:
     """How an experiment ended: the result of VisualServo.action."""
@@ -68,7 +75,7 @@ class ExperimentSequence:
         self.result: Optional[SequenceResult] = None
         self.teach_stamp_ns = self.servo_stamp_ns = None
         self._last_ns = self._since_ns = self._trajectory = self._set_point = self._before_q = self._last_q = None
-        self._teaching = None
+        self._teaching = self._held_q = None
         self._e = self._no_features
         self._dt_s = self.config.image_period_s
 
@@ -101,26 +108,29 @@ class ExperimentSequence:
         """As `teach`, from several images in turn. Returns True when the goal is taught; until then, call it again."""
         if self._teaching is None:
             self._begin_teaching(stamp_ns, features, q, z_star_m)
+            self._held_q = self.kinematics.vector(q)
         else:
             self._teaching.add(features, q)
         if not self._teaching.done:
             return False
         self.servo.set_reference(self._teaching.reference)
-        self._teaching = None
+        self._teaching = self._held_q = None
         return True
 
     def _begin_teaching(self, stamp_ns, features, q, z_star_m):
         z_star_m = self.config.z_star_m if z_star_m is None else z_star_m
-        self._teaching = Teaching(self.servo, stamp_ns, features, q, z_star_m, self.config.teach_images)
+        self._teaching = Teaching(self.servo, stamp_ns, features, q, z_star_m, self.config.teach_images,
+                                  self.config.still)
         self._teach_camera(stamp_ns, z_star_m)
         self.servo.set_reference(self._teaching.reference)
 
     def step(self, observation: Observation) -> Tuple[Command, ServoRecord]:
-        """Answers to one image. Idle and done: an empty command (pure acknowledgement, set-points hold)."""
+        """Answers to one image. Idle and done: an empty command (pure acknowledgement, set-points hold); after the servo
+        has arrived, velocities that hold the joints where they were (`HOLD_PER_S`)."""
         stamp_ns = observation.stamp_ns
         if self.phase in ("idle", "done"):
             text = self.phase if self.result is None else self.result.reason
-            return Command(stamp_ns), self._record(stamp_ns, self._nans, text)
+            return self.hold(observation), self._record(stamp_ns, self._nans, text)
         if self._last_ns is not None and stamp_ns > self._last_ns:
             self._dt_s = 1e-9 * (stamp_ns - self._last_ns)
         try:
@@ -132,8 +142,20 @@ class ExperimentSequence:
         except ArasError as error:
             return self._end(stamp_ns, Status.FAULT, f"{self.phase}: {error}")
 
+    def hold(self, observation: Observation) -> Command:
+        """Velocities that hold the joints where they were in the first image of a view that is being taught, or in that
+        with which the servo arrived; an empty command where there is neither."""
+        if self._held_q is None:
+            return Command(observation.stamp_ns)
+        q = self.kinematics.vector(observation.q)
+        if q.shape != (self._n,) or not isfinite(sum(q.tolist())):
+            return Command(observation.stamp_ns, velocity=dict(self._no_velocity))
+        q_dot = HOLD_PER_S * self.kinematics.way(q, self._held_q)
+        return Command(observation.stamp_ns, velocity=self.kinematics.by_name(q_dot))
+
     def stop(self, stamp_ns: int, reason: str = "stopped") -> Tuple[Command, ServoRecord]:
         """Ends now with status STOPPED; the command returned stops the arm."""
+        self._held_q = None
         if self.phase == "servo":
             self.servo.stop(stamp_ns, reason)
         return self._end(stamp_ns, Status.STOPPED, reason)
@@ -213,10 +235,11 @@ class ExperimentSequence:
             return self._end(stamp_ns, Status.FAULT, f"teach: {error}")
         if first:
             self.teach_stamp_ns = stamp_ns
-        answer = self._follow(stamp_ns)
+        command = Command(stamp_ns, velocity=dict(self._no_velocity)) if taught else self.hold(observation)
+        record = self._record(stamp_ns, self.kinematics.vector(command.velocity), "teach")
         if taught:
             self.phase, self._trajectory = "to_start", None
-        return answer
+        return command, record
 
     def _servo_step(self, observation, q):
         command, record = self.servo.step(observation, self._dt_s, q)
@@ -225,6 +248,8 @@ class ExperimentSequence:
         if not self.servo.finished:
             return command, record
         _, last = self._end(observation.stamp_ns, record.status, record.status_text)
+        if record.status in HELD:
+            self._held_q = q
         return command, replace(record, phase=last.phase)
 
     def _end(self, stamp_ns, status, reason):

@@ -12,6 +12,7 @@ from ..config.reader import Names, read
 from ..config.settings import setting
 from ..ground.errors import ParameterError
 from ..spatial import pose_from_rpy
+from .teaching import still
 
 
 @dataclass(frozen=True)
@@ -109,11 +110,14 @@ class ExperimentSettings:
         None,
         help="A run passes when its final error is within these; without, when it has converged.")
 
+    @property
+    def still(self) -> Optional[Tuple[float, float]]:
+        """By how much the camera may move while the view is taught [m, rad]; None: nobody judges."""
+        return None if self.judge is None else still(**vars(self.judge))
+
     @classmethod
     def from_dict(cls, source: Mapping, kinematics: RobotKinematics) -> "ExperimentSettings":
-        """Reads the section, but for `judge`, which is not the arm's. Raises ParameterError listing every fault."""
-        if isinstance(source, Mapping):
-            source = {key: value for key, value in source.items() if key != "judge"}
+        """Reads the section. Raises ParameterError listing every fault."""
         config = read(cls, source, "experiment", _within_limits(kinematics))
         near, faults, places = None, [], {}
         for name in ("goal", "start"):

@@ -1,6 +1,6 @@
 """Stage: judges each image by the stop rule, and ends the servo when it has arrived."""
 
-from math import atan2, degrees
+from math import atan2, degrees, nan
 from typing import Any, Optional
 
 import numpy as np
@@ -27,13 +27,15 @@ class Arrival(Stage):
 
     def __init__(self, goal: Goal, arm: ArmMotion, config: Any, tracker: Optional[FeatureFilter]) -> None:
         """Args: config: `ServoSettings`.  tracker: filters the features, or None."""
-        images = 1 if goal.reference is None else goal.reference.images
-        self.rule = StopRule(goal.features.names, config.thresholds, config.hold_s, config.stop, config.follows, images)
+        images = goal.reference.images if goal.reference is not None and goal.source.averages else 1
+        self.rule = StopRule(goal.features.names, config.thresholds, config.hold_s, config.stop, config.follows, images,
+                             goal.pose)
         self._goal, self._arm, self._config, self._tracker = goal, arm, config, tracker
         self.holds_tilt = config.tilt_gain_per_s > 0.0 and not goal.features.sees_tilt
         self._tells_displaced = not (config.follows or config.symmetric_target)
         self._below_ns: Optional[int] = None
         self.displaced = ""
+        self._unseen = goal.unseen(self.holds_tilt)
 
     @property
     def below(self) -> bool:
@@ -51,7 +53,8 @@ class Arrival(Stage):
         tilt, pose = self._arm.tilt_of(X_BC) if self.holds_tilt else None, answer.pose
         if pose is None:
             pose = self._goal.pose.of(np.array(answer.e), tilt)
-        arrived = rule.arrived(tick.stamp_ns, answer.e, tilt, pose, X_BC, answer.pose is not None)
+        arrived = rule.arrived(tick.stamp_ns, answer.e, tilt, pose, X_BC, answer.pose is not None,
+                               getattr(tick.features, "edge_stddev", nan))
         published, self.displaced = config.stop.rule == "published", ""
         if rule.close and self._tells_displaced and self._goal.reference.posture is not None:
             self.displaced = displaced_target(self._goal.displacement(X_BC), pose, config.stop)
@@ -67,9 +70,28 @@ class Arrival(Stage):
             return tick
         if published and tick.stamp_ns - self._below_ns >= 1e9 * config.hold_s:
             return tick.rest(Status.STOPPED_BY_RULE, f"stopped by the published rule{displaced}")
-        if arrived and not published:
-            return tick.rest(Status.CONVERGED, f"features, tilt and pose within their thresholds{displaced}")
-        return tick
+        if not arrived or published:
+            return tick
+        unknown = self._unknown(X_BC)
+        if unknown:
+            return tick.rest(Status.SETTLED, f"arrived as far as these features tell: {unknown}{displaced}")
+        if rule.uncertain:
+            return tick
+        return tick.rest(Status.CONVERGED, f"features, tilt and pose within their thresholds{displaced}")
+
+    def _unknown(self, X_BC: np.ndarray) -> str:
+        """Returns what is not known of the pose and will not be, in words; an empty text if there is nothing."""
+        if self._unseen:
+            return f"{', '.join(self._unseen)} not seen"
+        if not self._config.follows and self._goal.turned_alike(X_BC):
+            return "the target looks the same after a part of a turn, and by the joints the camera is turned by it"
+        rule = self.rule
+        if not (rule.uncertain and rule.hopeless):
+            return ""
+        _, position_m, rotation_rad = rule.judged
+        if not position_m == position_m:
+            return "the pose of the camera is not known"
+        return f"the pose is known to {1e3 * position_m:.2g} mm and {degrees(rotation_rad):.2g} deg only"
 
     def rest(self, tick: Tick) -> Tick:
         """Forgets the images seen, unless the servo has ended."""

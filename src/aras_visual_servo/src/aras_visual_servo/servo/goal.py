@@ -1,6 +1,6 @@
 """The goal of the servo: the view that was taught, and where the joints place the camera relative to it."""
 
-from math import isfinite
+from math import atan2, isfinite, pi, remainder
 from typing import Any, List, Optional, Sequence, Tuple
 
 import numpy as np
@@ -10,7 +10,7 @@ from ..features.base import FeatureSet, View
 from ..features.sources.base import source_named
 from ..ground.errors import DegenerateFeature, ParameterError
 from ..ground.types import Reference
-from .stop_rule import GoalPose
+from .goal_pose import GoalPose, turns_alike
 
 
 class Goal:
@@ -30,10 +30,12 @@ class Goal:
         self.s_star = np.full(len(self.features), np.nan)
         self.pose: Any = None
         self._X_CgB: Optional[np.ndarray] = None
+        self._alike: Tuple[float, ...] = ()
 
     def set_reference(self, reference: Reference) -> None:
         """Uses a reference taught before."""
-        self.pose = GoalPose(self.features, reference, self._config.point_depth)
+        self.pose = GoalPose(self.features, reference, self._config.point_depth, self._config.stop.normal_rad)
+        self._alike = (pi,) if self._config.symmetric_target else turns_alike(reference.view)
         posture = reference.posture
         self._X_CgB = None if posture is None else np.linalg.inv(self.kinematics.pose(self.kinematics.vector(posture)))
         self.reference, self.s_star = reference, np.array(reference.s_star, dtype=float)
@@ -77,6 +79,22 @@ class Goal:
         errors = np.array([self.features.error(s, values[0], self._config.symmetric_target) for s in values])
         poses: List[Any] = [self.pose.of(e, None) for e in errors]
         return errors, None if poses[0] is None else np.array(poses)
+
+    def unseen(self, tilt_held: bool) -> Tuple[str, ...]:
+        """Returns the motions of the camera at the goal that the features do not tell, as `GoalPose.unseen`."""
+        reference = self.reference
+        if self.pose is None or reference.posture is None or reference.plane_C is None:
+            return ()
+        jacobian = self.kinematics.jacobian(self.kinematics.vector(reference.posture))
+        return self.pose.unseen(jacobian, 1.0 / float(np.linalg.norm(reference.plane_C)), tilt_held)
+
+    def turned_alike(self, X_BC: np.ndarray) -> bool:
+        """Whether by the joints the camera is turned by an angle after which the target looks the same."""
+        if not self._alike or self._X_CgB is None:
+            return False
+        R = self.displacement(X_BC)[:3, :3]
+        turn = atan2(R[1, 0] - R[0, 1], R[0, 0] + R[1, 1])
+        return any(abs(remainder(abs(turn) - angle, 2.0 * pi)) < abs(turn) for angle in self._alike)
 
     def displacement(self, X_BC: np.ndarray) -> np.ndarray:
         """Returns X_CgC, (4, 4): a camera pose by the kinematics, relative to the goal's. Raises ParameterError."""

@@ -7,6 +7,10 @@ and `rotation_rad`; and a camera that moves by less than half of these. The disp
 laws that work on the pose give it themselves. Images of the last AVERAGED_S seconds are averaged, and the standard
 error counts as distance, so that noise cannot pass for arrival (T61).
 
+What no number of images tells counts too: where the sides of the object are within the steps of the grey levels, how
+the target's plane lies, and motions that the features do not see (T73). Where all but that is within its threshold, the
+servo has settled: SETTLED, with what is not known.
+
 The published rule, |e| < thresholds and nothing else, is there by name. It ends a run with a status of its own.
 """
 
@@ -17,11 +21,7 @@ from typing import Optional, Sequence, Tuple
 import numpy as np
 
 from ..config.settings import setting
-from ..features.base import FeatureSet, View
-from ..features.points import depths_in_image
-from ..ground.errors import DegenerateFeature
-from ..ground.types import Reference
-from ..laws.base import MAX_CONDITION
+from .goal_pose import GoalPose
 from .stage import UNKNOWN
 
 RULES = ("pose", "published")
@@ -34,6 +34,8 @@ AVERAGED_S = 10.0
 SURE = 2.0
 #: Within hold_s the camera moves by less than this part of position_m and rotation_rad: it has come to rest.
 MOVED = 0.5
+#: When all but what the model leaves open has been within its threshold for so long, waiting is over [s].
+SETTLE_S = 5.0
 #: The servo comes to rest when all that is judged is below this part of its threshold ...
 REST = 0.5
 #: ... and moves again when something is above this part of it.
@@ -41,7 +43,6 @@ MOVE = 0.8
 #: Close to the goal for longer than PATIENCE_S without having arrived, the servo calms down, since delay or noise keep
 #: it hunting: its rates become smaller with the time, down to CALM_PER_S.
 PATIENCE_S, CALM_PER_S = 2.0, 1.0
-TILT_COLUMNS, OTHER_COLUMNS = [3, 4], [0, 1, 2, 5]
 
 
 @dataclass(frozen=True)
@@ -61,43 +62,10 @@ class StopSettings:
         help="Largest distance of the camera from the goal, by the pose that the feature errors stand for.")
     rotation_rad: float = setting(
         0.0024, unit="rad", above=0, help="Largest angle of the camera from the goal, likewise.")
-
-
-class GoalPose:
-    """From the error of the features to the displacement of the camera from the goal, (6,), [p_CgC; theta u] (T60)."""
-
-    def __init__(self, features: FeatureSet, reference: Reference, point_depth: str = "plane") -> None:
-        """Args: point_depth: of followed points (`LawSetup`)."""
-        self._sees_tilt, self._inverse, self._with_tilt = features.sees_tilt, None, None
-        if reference.view is None or reference.plane_C is None:
-            return
-        try:
-            depths = 1.0 / depths_in_image(reference.view) if point_depth == "image" else None
-            L = features.matrix(View(reference.view, reference.plane_C, None, depths))
-        except DegenerateFeature:
-            return
-        U, sigmas, Vt = np.linalg.svd(L if self._sees_tilt else L[:, OTHER_COLUMNS], full_matrices=False)
-        if not sigmas[0] < MAX_CONDITION * sigmas[-1]:
-            return
-        inverse = (Vt.T / sigmas) @ U.T
-        if self._sees_tilt:
-            self._inverse = inverse
-            return
-        self._inverse = np.zeros((6, len(L)))
-        self._inverse[OTHER_COLUMNS] = inverse
-        of_tilt = np.eye(6)[:, TILT_COLUMNS] - self._inverse @ L[:, TILT_COLUMNS]
-        self._with_tilt = np.hstack([self._inverse, of_tilt])
-
-    def of(self, e: np.ndarray, tilt: Optional[Sequence[float]]) -> Optional[np.ndarray]:
-        """Returns the displacement, (6,), or None where it cannot be told.
-
-        Args: e: (k,) array of errors.  tilt: (2,) displacement about x and y by the joints; None: it is not held.
-        """
-        if self._inverse is None:
-            return None
-        if self._with_tilt is None or tilt is None:
-            return self._inverse @ e
-        return self._with_tilt @ np.array((*e.tolist(), *tilt))  # floats: NumPy's numbers take twice as long
+    normal_rad: float = setting(
+        0.2, unit="rad", at_least=0,
+        help="By how much the target's plane may be inclined otherwise than `target_normal_C` says: the pose has to be "
+             "within both limits for each such plane (T73).")
 
 
 class StopRule:
@@ -105,7 +73,9 @@ class StopRule:
 
     Attributes:
         judged: (tilt_rad, position_m, rotation_rad) of the last image: the tilt, and the camera's distance and angle
-            from the goal as far as the images up to it tell; NaN where it is not known.
+            from the goal as far as the images up to it tell, with what they leave open; NaN where it is not known.
+        uncertain: the pose is not within its limits, or not known to be, when what images leave open is counted.
+        hopeless: ... and more images would not change that.
         lacking: what kept the servo from having arrived at the last image: features, "tilt", "position", "rotation",
             "rest".
         close: the last image was close to the goal.
@@ -113,10 +83,11 @@ class StopRule:
     """
 
     def __init__(self, names: Sequence[str], thresholds: Sequence[float], hold_s: float, settings: StopSettings,
-                 follows: bool, taught_images: int = 1) -> None:
+                 follows: bool, taught_images: int = 1, goal: Optional[GoalPose] = None) -> None:
         """Args: names, thresholds: of the features. follows: the goal may move.
 
         taught_images: number of images whose mean is the goal: their noise counts too.
+        goal: tells what images leave open; None: nothing.
         """
         from .._kinematics import Arrival, between  # C++: not needed to describe the settings of this file
         self._names, self._thresholds, self._settings = names, thresholds, settings
@@ -124,8 +95,11 @@ class StopRule:
         self._hold_ns, self._follows, self._between = round(1e9 * hold_s), follows, between
         kept_ns = self._hold_ns if follows else max(self._hold_ns, round(1e9 * AVERAGED_S))
         self._images = Arrival(thresholds, self._hold_ns, kept_ns, settings.position_m, settings.rotation_rad,
-                               settings.tilt_rad, SURE, taught_images)
-        self._last_ns = self._since_ns = None
+                               settings.tilt_rad, SURE, taught_images, *((np.zeros((6, 6)), np.eye(6)[None])
+                               if goal is None else (goal.edges, goal.planes)))
+        self._goal_edge = nan if goal is None else goal.edge_stddev
+        self._of_features = () if goal is None else tuple((SURE * goal.of_features / np.array(thresholds)).tolist())
+        self._last_ns = self._since_ns = self._settled_ns = None
         self.clear()
 
     def clear(self) -> None:
@@ -133,17 +107,19 @@ class StopRule:
         if self._last_ns is not None:
             self._images.clear()
         self._X_BC = self._last_ns = self._since_ns = None
+        self.uncertain = self.hopeless = False
         self.judged, self.lacking, self.close, self.resting = UNKNOWN, ("no image",), False, False
 
     def arrived(self, stamp_ns: int, e: Sequence[float], tilt: Optional[Sequence[float]], pose: Optional[np.ndarray],
-                X_BC: np.ndarray, pose_of_law: bool = False) -> bool:
-        """Returns whether the camera has been at the goal for `hold_s`.
+                X_BC: np.ndarray, pose_of_law: bool = False, edge_stddev: float = nan) -> bool:
+        """Returns whether the camera has been at the goal for `hold_s`, as far as images tell (`uncertain`).
 
         Args:
             e: (k,) feature errors.  tilt: (2,) about x and y by the joints, None where it is not held.
             pose: (6,) displacement from the goal by this image, None where it is not known.
             X_BC: (4, 4) pose of the camera by the joints.
             pose_of_law: the pose is the law's own and not that of e, so that a small e does not say that it holds.
+            edge_stddev: of the features of this image.
         """
         tilt_rad = nan if tilt is None else (tilt[0] * tilt[0] + tilt[1] * tilt[1]) ** 0.5
         self.close = self._is_close(e, tilt_rad, pose if pose_of_law else None)
@@ -161,14 +137,25 @@ class StopRule:
         if tilt_rad == tilt_rad:
             parts["tilt"] = tilt_part
         most, self.judged = max(parts.values()), (tilt_rad, nan, nan)
+        variance = sum([stddev * stddev for stddev in (edge_stddev, self._goal_edge) if stddev == stddev])
+        edges = [variance**0.5 * part for part in self._of_features]
+        self.hopeless = pose is None or max(edges, default=0.0) >= 1.0
+        self.uncertain = self.hopeless or any([part * part + edge * edge >= 1.0 for part, edge in zip(means, edges)])
         if pose is not None:
-            off, parts["rest"], parts["position"], parts["rotation"], position_m, rotation_rad = self._images.place(
-                stamp_ns, self._moved(X_BC), pose)
+            (off, parts["rest"], parts["position"], parts["rotation"], known, left_open, position_m,
+             rotation_rad) = self._images.place(stamp_ns, self._moved(X_BC), pose, variance)
             parts["rest"] /= MOVED
             most, self.judged = max(most, off), (tilt_rad, position_m, rotation_rad)
+            self.uncertain = self.uncertain or not known < 1.0
+            self.hopeless = self.hopeless or not left_open < 1.0
         self.resting = most < (MOVE if self.resting else REST)
         self.lacking = tuple([name for name, part in parts.items() if not part < 1.0])
-        return not self.lacking and stamp_ns - self._since_ns >= self._hold_ns
+        if self.lacking or stamp_ns - self._since_ns < self._hold_ns:
+            return False
+        if self._settled_ns is None:
+            self._settled_ns = stamp_ns
+        self.hopeless = self.hopeless or stamp_ns - self._settled_ns >= 1e9 * SETTLE_S
+        return True
 
     def _is_close(self, e: Sequence[float], tilt_rad: float, pose: Optional[np.ndarray]) -> bool:
         settings, (position, rotation) = self._settings, _size(pose)
@@ -193,7 +180,8 @@ class StopRule:
 
     def why_not(self) -> str:
         """Returns what was lacking at the last image, in words."""
-        return ", ".join(self.lacking) or "everything for less than hold_s"
+        return ", ".join(self.lacking) or ("a pose that is known well enough" if self.uncertain else
+                                           "everything for less than hold_s")
 
 
 def _size(pose: Optional[np.ndarray]) -> Tuple[float, float]:

@@ -12,6 +12,7 @@
 namespace aras_visual_servo_camera {
 
 class DepthReader;
+class EdgeStep;
 class KernelProjection;
 class PointFeatures;
 
@@ -63,6 +64,7 @@ class MomentExtractor {
   std::unique_ptr<KernelProjection> kernel_;
   std::unique_ptr<PointFeatures> points_;  // null when no points are asked for
   std::unique_ptr<DepthReader> depths_;    // null when no depths are
+  std::unique_ptr<EdgeStep> edge_step_;
   MomentFeatures features_;
   LastViews<MomentFeatures> last_views_;
   std::int64_t reference_stamp_ns_ = kNoStamp;

@@ -28,6 +28,7 @@ struct ObjectMask {
   bool visible = false;           ///< an object of at least min_area_px is in view
   bool touches_border = false;    ///< ... and lies on the first or last row or column, or reaches pixels without a ray
   bool soft_edges = false;        ///< weights are area coverage, else every weight is 1
+  double grey_step = 1.0;         ///< smallest difference between two weights: one grey level, or a whole pixel
   bool ambiguous = false;         ///< there are objects, and it is not clear which one is the target: none is taken
   int components = 0;             ///< objects that pass the area filter
   int area_px = 0;                ///< pixels of the chosen one (coverage of one half or more)

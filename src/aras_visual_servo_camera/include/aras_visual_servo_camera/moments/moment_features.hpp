@@ -31,6 +31,7 @@ struct MomentFeatures {
   std::int64_t reference_stamp_ns = -1;
   double orientation_condition = kNone;
   double asymmetry = kNone;
+  double edge_stddev = kNone;
   std::vector<std::string> moment_names;
   std::vector<double> m;
   std::vector<double> mu;
@@ -111,7 +112,7 @@ class FeatureBuilder {
 #define ARAS_MOMENT_FIELDS(DO) \
   DO(target_visible) DO(touches_border) DO(symmetric) DO(has_reference) DO(valid) DO(ambiguous) \
   DO(components) DO(area) DO(xg) DO(yg) DO(alpha) DO(xn) DO(yn) DO(an) DO(z_star_m) DO(area_star) \
-  DO(reference_stamp_ns) DO(orientation_condition) DO(asymmetry) DO(moment_names) DO(m) DO(mu) DO(point_x) \
+  DO(reference_stamp_ns) DO(orientation_condition) DO(asymmetry) DO(edge_stddev) DO(moment_names) DO(m) DO(mu) DO(point_x) \
   DO(point_y) DO(point_z) DO(depth_fault) DO(ray_x) DO(ray_y) DO(ray_z) DO(kernel_x) DO(kernel_y)
 // clang-format on
 

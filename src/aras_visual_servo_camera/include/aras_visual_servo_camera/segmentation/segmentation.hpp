@@ -54,9 +54,10 @@ class Segmentation {
 /** Counts the pixels of each grey. @param grey  rows of width_px bytes, each step_bytes after the one before */
 std::array<int, 256> countGreys(const std::uint8_t* grey, int width_px, int height_px, std::size_t step_bytes);
 
-/** Grey levels of object and background, estimated from a histogram. */
+/** Grey levels of object and background. */
 struct GreyLevels {
   double object, background;
+  bool object_estimated = false, background_estimated = false;  ///< from the image, else given
 };
 
 /** The two levels of an image of one object before one background, whatever their share of the image.

@@ -8,6 +8,7 @@
 #include "image/depth_reader.hpp"
 #include "image/grey_image.hpp"
 #include "points/point_features.hpp"
+#include "segmentation/edge_step.hpp"
 
 namespace aras_visual_servo_camera {
 
@@ -82,6 +83,7 @@ MomentExtractor::MomentExtractor(const CameraIntrinsics& intrinsics, const Visio
     : config_(config),
       segmentation_(config),
       builder_(config.order, config.asymmetry_threshold, config.orientation_threshold),
+      edge_step_(std::make_unique<EdgeStep>()),
       mask_(&nothing_) {
   setIntrinsics(intrinsics);
 }
@@ -128,6 +130,8 @@ const MomentFeatures& MomentExtractor::process(const ImageView& image, std::int6
       features_.point_z.push_back(depths_->at(*depth, features_.point_x[k], features_.point_y[k], mask_));
   }
   if (kernel_) kernel_->write(*mask_, &features_);
+  const int objects = config_.points == PointSource::kBlobs ? static_cast<int>(segmentation_.objects().size()) : 1;
+  features_.edge_stddev = edge_step_->process(*mask_, objects) / map_->intrinsics().fx();
   features_.reference_stamp_ns = reference_stamp_ns_;
   if (stamp_ns != kNoStamp) last_views_.add(stamp_ns) = features_;
   return features_;
@@ -166,6 +170,7 @@ void MomentExtractor::clearReference() {
 }
 
 void MomentExtractor::forgetPrevious() {
+  edge_step_->forget();
   followAnew();
   last_views_.clear();
 }

@@ -117,6 +117,7 @@ void PointFeatures::unite(const ObjectMask& chosen, const std::vector<ObjectMask
   together_.width_px = chosen.width_px;
   together_.height_px = chosen.height_px;
   together_.soft_edges = chosen.soft_edges;
+  together_.grey_step = 0.0;
   together_.components = chosen.components;
   together_.visible = !matched.empty();
   together_.area_px = 0;
@@ -130,6 +131,7 @@ void PointFeatures::unite(const ObjectMask& chosen, const std::vector<ObjectMask
     together_.u_px += object.area_px * object.u_px;
     together_.v_px += object.area_px * object.v_px;
     together_.area_px += object.area_px;
+    together_.grey_step = std::max(together_.grey_step, object.grey_step);
   }
   found_ = picked(found_, matched);
   if (with_rays_) rays_ = picked(rays_, matched);

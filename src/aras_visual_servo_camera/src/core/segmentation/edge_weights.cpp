@@ -178,8 +178,36 @@ void EdgeWeights::forgetNoiseAwayFromContour(ObjectMask* mask) {
   mask->edge.erase(std::remove_if(mask->edge.begin(), mask->edge.end(), empty), mask->edge.end());
 }
 
+GreyLevels EdgeWeights::besideContour(const std::uint8_t* grey, std::size_t step, int width, int height,
+                                      GreyLevels levels) {
+  std::uint64_t inside = 0, outside = 0, inside_sum = 0, outside_sum = 0;
+  const int first = std::max(-u0_, 0), limit = std::min(width - u0_, stride_),
+            v_end = std::min(v0_ + rows_ - kReach, height);
+  for (int v = std::max(v0_ + kReach, 0); v < v_end; ++v) {
+    classify(v - v0_);
+    const std::uint8_t* row = grey + v * step;
+    const std::uint64_t* own = at(own_, v - v0_);
+    for (int c = findBit<true>(inside_, first, limit); c < limit; c = findBit<true>(inside_, c + 1, limit)) {
+      inside_sum += row[c + u0_];
+      ++inside;
+    }
+    for (int c = findBit<true>(edge_, first, limit); c < limit; c = findBit<true>(edge_, c + 1, limit)) {
+      if (hasBit(own, c) || hasBit(next_.data(), c)) continue;
+      outside_sum += row[c + u0_];
+      ++outside;
+    }
+  }
+  GreyLevels beside = levels;
+  if (levels.object_estimated && inside > 0)
+    beside.object = static_cast<double>(inside_sum) / static_cast<double>(inside);
+  if (levels.background_estimated && outside > 0)
+    beside.background = static_cast<double>(outside_sum) / static_cast<double>(outside);
+  const bool dark = levels.object < levels.background;  // a contour that follows something else has no levels
+  return (beside.object < beside.background) == dark && beside.object != beside.background ? beside : levels;
+}
+
 void EdgeWeights::process(const std::uint8_t* grey, std::size_t step, int width, int height,
-                          const ComponentFinder& finder, int chosen, const GreyLevels& levels, ObjectMask* mask) {
+                          const ComponentFinder& finder, int chosen, GreyLevels levels, ObjectMask* mask) {
   const Component& box = finder.components()[chosen];
   u0_ = box.u_min - kMargin;
   v0_ = box.v_min - kMargin;
@@ -189,6 +217,8 @@ void EdgeWeights::process(const std::uint8_t* grey, std::size_t step, int width,
   paint(finder, chosen);
   replicateAtImageBorder(width, height);
   widen();
+  if (levels.object_estimated || levels.background_estimated) levels = besideContour(grey, step, width, height, levels);
+  mask->grey_step = 1.0 / std::abs(levels.background - levels.object);
 
   double weight_of_grey[256];
   for (int g = 0; g < 256; ++g) weight_of_grey[g] = (levels.background - g) / (levels.background - levels.object);

@@ -19,9 +19,11 @@ namespace aras_visual_servo_camera {
  *  most images, and count as that when noise alone could tell them from it. */
 class EdgeWeights {
  public:
-  /** Appends to mask->spans and mask->edge, sorted by row. */
+  /** Appends to mask->spans and mask->edge, sorted by row, and sets mask->grey_step.
+   *  @param levels  those that are estimated are taken anew from the pixels beside the contour, since light falls off
+   *  towards the border of most images */
   void process(const std::uint8_t* grey, std::size_t step, int width, int height, const ComponentFinder& finder,
-               int chosen, const GreyLevels& levels, ObjectMask* mask);
+               int chosen, GreyLevels levels, ObjectMask* mask);
 
  private:
   /** Rows of bits, a column each; the first and the last word of a row are empty, so that windows may reach out. */
@@ -36,6 +38,9 @@ class EdgeWeights {
   /** @param rows  the row and those above and below it, at the border of the image the row itself in their place */
   void emitRow(const std::array<const std::uint8_t*, 3>& rows, int v, const double* weight_of_grey, ObjectMask* mask);
   void forgetNoiseAwayFromContour(ObjectMask* mask);
+  /** The mean greys of the pixels wholly inside and of those two pixels outside the contour, in place of the levels
+   * that are estimated. */
+  GreyLevels besideContour(const std::uint8_t* grey, std::size_t step, int width, int height, GreyLevels levels);
 
   std::uint64_t* at(Bits& bits, int row) const { return bits.data() + static_cast<std::ptrdiff_t>(row) * words_; }
   const std::uint64_t* at(const Bits& bits, int row) const {

@@ -146,6 +146,8 @@ std::optional<GreyLevels> Segmentation::Work::levelsOf(const cv::Mat& grey) cons
   std::optional<GreyLevels> levels =
       estimateGreyLevels(histogramOf(grey), config.object, config.min_area_px, config.min_contrast);
   if (!levels) return std::nullopt;
+  levels->object_estimated = !config.object_grey;
+  levels->background_estimated = !config.background_grey;
   if (config.object_grey) levels->object = *config.object_grey;
   if (config.background_grey) levels->background = *config.background_grey;
   const double contrast = levels->background - levels->object;

@@ -238,7 +238,7 @@ class ControllerNode:
                                    duration_s=float(duration_s))
         rospy.loginfo("servo: %s, %s", Status(status).name, reason)
         report = self._server.set_aborted
-        if converged or status == Status.STOPPED_BY_RULE:
+        if converged or status in (Status.SETTLED, Status.STOPPED_BY_RULE):
             report = self._server.set_succeeded
         elif self._preempted:
             report = self._server.set_preempted

@@ -128,6 +128,7 @@ def summarise(record: RunRecord) -> Dict[str, Any]:
     return {
         "scenario": record.scenario,
         "converged": result.converged,
+        "settled": result.settled,
         "stopped_by_rule": result.stopped_by_rule,
         "reason": result.reason,
         "passed": result.passed,

@@ -70,9 +70,11 @@ class Source:
         extractor_class: name of a class of the camera package, which computes the features.
         section: key of the scenario's section `vision` that makes the camera node publish them; "" if no key is needed.
         sees_parts: a part of the target in view is enough.
+        averages: a goal can be the mean of several images; else it is one image, whose noise stays in it.
     """
 
     name, topic, message, extractor_class, section, sees_parts = "", "", "", "", "", False
+    averages = True
     tell_reference: Tuple[str, ...] = ("reference_stamp_ns", "z_star_m")
 
     def extractor(self, camera_info: Mapping[str, Any], vision: Mapping[str, Any]) -> Any:

@@ -13,7 +13,7 @@ class Matches(Source):
     """Four points of the goal's plane, which the homography between both images moves; the pose follows from them."""
 
     topic, message, section = "camera/matches", "aras_visual_servo_msgs/MatchFeatures", "matches"
-    extractor_class, sees_parts = "MatchExtractor", True
+    extractor_class, sees_parts, averages = "MatchExtractor", True, False
 
     def wants_depth(self, vision: Mapping[str, Any]) -> bool:
         return "depth" in vision[self.section]

@@ -17,7 +17,7 @@ class PhotometricSource(Source):
     """Features that the camera package sums up over the pixels. It also keeps the reference, which is an image."""
 
     topic, message, section = "camera/photometric", "aras_visual_servo_msgs/PhotometricFeatures", "photometric"
-    extractor_class = "PhotometricExtractor"
+    extractor_class, averages = "PhotometricExtractor", False
 
     def taught(self, features: Any, z_star_m: float, normal_C: Sequence[float]) -> Taught:
         return Taught(_SameImage())

@@ -15,7 +15,7 @@ class Tag(Matches):
     """Four corners, each known by the tag's code however the tag is turned; points and poses work on them."""
 
     topic, message, section = "camera/tag", "aras_visual_servo_msgs/TagFeatures", "tag"
-    extractor_class, sees_parts = "TagExtractor", False  # the whole tag has to be in view
+    extractor_class, sees_parts, averages = "TagExtractor", False, True  # the whole tag has to be in view
 
     def wants_depth(self, vision: Mapping[str, Any]) -> bool:
         return False

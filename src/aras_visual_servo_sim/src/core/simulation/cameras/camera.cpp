@@ -130,10 +130,20 @@ void Camera::note(Moment moment) {
   exposure_.note(std::move(moment), frame_tick);
 }
 
+namespace {
+
+constexpr double kDither = 0.5;  // [grey levels]: the mean of rounded values is then right to a hundredth of a level
+
+double noiseOf(const CameraConfig& config) {
+  return config.dither ? std::max(config.noise_stddev, kDither) : config.noise_stddev;
+}
+
+}  // namespace
+
 bool Camera::readsOut() const {
   const CameraConfig& config = model_.config();
   const Encoding encoding = model_.encoding();
-  return sensor_ || config.noise_stddev != 0.0 || config.noise_mean != 0.0 || isBayer(encoding) || isDeep(encoding);
+  return sensor_ || noiseOf(config) != 0.0 || config.noise_mean != 0.0 || isBayer(encoding) || isDeep(encoding);
 }
 
 void Camera::readOut(std::int64_t now) {
@@ -141,7 +151,7 @@ void Camera::readOut(std::int64_t now) {
   const std::int64_t index = takenFrame() ? takenFrame()->index : plan_.indexFrom(now);
   if (sensor_) return sensor_->readOut(light, static_cast<std::uint64_t>(index), unhashed_frame_ >= 0, image);
   if (isBayer(model_.encoding())) throughBayerFilter(light, model_.encoding(), mosaic_);
-  addGaussianNoise(isBayer(model_.encoding()) ? mosaic_ : light, config.noise_stddev, noise_seed_,
+  addGaussianNoise(isBayer(model_.encoding()) ? mosaic_ : light, noiseOf(config), noise_seed_,
                    static_cast<std::uint64_t>(index), config.noise_mean, model_.encoding(), image);
 }
 

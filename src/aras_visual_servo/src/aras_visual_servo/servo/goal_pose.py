@@ -1,0 +1,156 @@
+"""The pose that the errors of features stand for at the goal (T60), and what of it the features do not tell (T73)."""
+
+from math import cos, sin
+from typing import Any, List, Optional, Sequence, Tuple
+
+import numpy as np
+
+from ..features.base import FeatureSet, View
+from ..features.edges import edge_changes
+from ..features.interaction import plane_from_pose
+from ..features.points import depths_in_image
+from ..ground.errors import DegenerateFeature
+from ..ground.types import Reference
+from ..laws.base import MAX_CONDITION
+
+TILT_COLUMNS, OTHER_COLUMNS = [3, 4], [0, 1, 2, 5]
+#: A motion counts as seen when the features change by more than this part of what they change by with others.
+SEEN = 1e-4
+#: ... and is named when it has at least this part of a motion that is not seen.
+NAMED = 0.3
+MOTIONS = ("translation along x", "translation along y", "translation along the optical axis", "rotation about x",
+           "rotation about y", "rotation about the optical axis")
+#: The same view after another turn: the points differ by no more than this part of their distance from their middle.
+ALIKE = 0.02
+
+
+class GoalPose:
+    """From the error of the features to the displacement of the camera from the goal, (6,), [p_CgC; theta u] (T60).
+
+    Attributes:
+        edges: (6, 6) covariance of the displacement for an `edge_stddev` of 1.
+        of_features: (k,) standard deviation of each feature for an `edge_stddev` of 1.
+        edge_stddev: of the taught view; NaN: not known.
+        planes: (p, 6, 6), each from a displacement to what it would be if the target's plane lay otherwise, within
+            the tolerance; the first is the identity.
+    """
+
+    def __init__(self, features: FeatureSet, reference: Reference, point_depth: str = "plane",
+                 normal_rad: float = 0.0) -> None:
+        """Args: point_depth: of followed points (`LawSetup`).  normal_rad: by how much the target's plane may be
+        inclined otherwise than it was taught."""
+        self._sees_tilt, self._inverse, self._with_tilt = features.sees_tilt, None, None
+        self._L: Optional[np.ndarray] = None
+        self.edges, self.planes = np.zeros((6, 6)), np.eye(6)[None]
+        self.of_features, self.edge_stddev = np.zeros(len(features)), float("nan")
+        if reference.view is None or reference.plane_C is None:
+            return
+        view, plane = reference.view, reference.plane_C
+        self.edge_stddev = view.edge_stddev
+        try:
+            depths = 1.0 / depths_in_image(view) if point_depth == "image" else None
+            self._L = L = features.matrix(View(view, plane, None, depths))
+        except DegenerateFeature:
+            if len(view.point_x):  # a law that measures the pose, by the points
+                self._told_by(FeatureSet([f"points{len(view.point_x)}"]), view, plane, depths, normal_rad)
+            return
+        self._inverse = _inverse(L, self._sees_tilt)
+        if self._inverse is None:
+            return
+        self._told_by(features, view, plane, depths, normal_rad)
+        if not self._sees_tilt:
+            of_tilt = np.eye(6)[:, TILT_COLUMNS] - self._inverse @ L[:, TILT_COLUMNS]
+            self._with_tilt = np.hstack([self._inverse, of_tilt])
+
+    def _told_by(self, features, view, plane, depths, normal_rad):
+        """Sets `edges` and `planes`."""
+        try:
+            L = features.matrix(View(view, plane, None, depths))
+            inverse = _inverse(L, self._sees_tilt)
+            if inverse is None:
+                return
+            changes = edge_changes(features, view)
+            off = inverse @ changes
+            if len(changes) == len(self.of_features) and self._L is not None:
+                self.of_features = np.sqrt(np.sum(changes**2, axis=1))
+            self.edges = off @ off.T
+            if depths is None and normal_rad > 0.0:
+                others = [features.matrix(View(view, other)) for other in _inclined(view, plane, normal_rad)]
+                self.planes = np.array([np.eye(6), *(self._meant_by(inverse, L, other) for other in others)])
+        except DegenerateFeature:
+            return
+
+    def _meant_by(self, inverse, L, other):
+        """(6, 6): from the displacement that errors stand for by L to the one that they stand for by matrix `other`."""
+        seen = inverse @ other
+        if not self._sees_tilt:
+            seen[:, TILT_COLUMNS] += np.eye(6)[:, TILT_COLUMNS] - inverse @ L[:, TILT_COLUMNS]
+        return np.linalg.inv(seen) if np.linalg.cond(seen) < MAX_CONDITION else np.eye(6)
+
+    def of(self, e: np.ndarray, tilt: Optional[Sequence[float]]) -> Optional[np.ndarray]:
+        """Returns the displacement, (6,), or None where it cannot be told.
+
+        Args: e: (k,) array of errors.  tilt: (2,) displacement about x and y by the joints; None: it is not held.
+        """
+        if self._inverse is None:
+            return None
+        if self._with_tilt is None or tilt is None:
+            return self._inverse @ e
+        return self._with_tilt @ np.array((*e.tolist(), *tilt))  # floats: NumPy's numbers take twice as long
+
+    def unseen(self, jacobian: np.ndarray, length_m: float, tilt_held: bool) -> Tuple[str, ...]:
+        """Returns the motions of the camera that the arm can make and the features do not tell, in words.
+
+        Args: jacobian: (6, n) J_BC_C at the goal.  length_m: that translations are compared with rotations by, such
+            as the depth of the target [m].  tilt_held: rotations about x and y are known from the joints.
+        """
+        if self._L is None:
+            return ()
+        scale = np.array([1.0 / length_m] * 3 + [1.0] * 3)
+        U, sigmas, _ = np.linalg.svd(scale[:, None] * jacobian, full_matrices=False)
+        can = U[:, sigmas > SEEN * sigmas[0]]
+        L = np.vstack([self._L / scale, *(np.eye(6)[TILT_COLUMNS] if tilt_held else ())])
+        _, sigmas, Vt = np.linalg.svd(L @ can)
+        seen = np.zeros(can.shape[1], bool)
+        seen[:len(sigmas)] = sigmas > SEEN * sigmas[0]
+        part = np.abs(can @ Vt[~seen].T).max(axis=1, initial=0.0)
+        return tuple([name for name, most in zip(MOTIONS, part) if most > NAMED])
+
+
+def _inverse(L: np.ndarray, sees_tilt: bool) -> Optional[np.ndarray]:
+    """(6, k) from errors to displacements; None where the matrix has no usable inverse."""
+    U, sigmas, Vt = np.linalg.svd(L if sees_tilt else L[:, OTHER_COLUMNS], full_matrices=False)
+    if not sigmas[0] < MAX_CONDITION * sigmas[-1]:
+        return None
+    if sees_tilt:
+        return (Vt.T / sigmas) @ U.T
+    inverse = np.zeros((6, len(L)))
+    inverse[OTHER_COLUMNS] = (Vt.T / sigmas) @ U.T
+    return inverse
+
+
+def _inclined(view: Any, plane: np.ndarray, angle_rad: float) -> List[np.ndarray]:
+    """The plane turned by this angle about axes through its middle, to eight sides."""
+    A, B, C = (float(value) for value in plane)
+    depth = 1.0 / (A * view.xg + B * view.yg + C)
+    normal, middle = np.array([A, B, C]), depth * np.array([view.xg, view.yg, 1.0])
+    normal /= np.linalg.norm(normal)
+    across = np.cross(normal, (0.0, 1.0, 0.0) if abs(normal[1]) < 0.9 else (1.0, 0.0, 0.0))
+    across /= np.linalg.norm(across)
+    along = np.cross(normal, across)
+    sides = [cos(way) * across + sin(way) * along for way in np.arange(8) * 0.25 * np.pi]
+    return [plane_from_pose(cos(angle_rad) * normal + sin(angle_rad) * side, middle) for side in sides]
+
+
+def turns_alike(view: Any) -> Tuple[float, ...]:
+    """Angles about the target's normal by which followed points, numbered in turn, are the same again [rad].
+
+    As seen from afar and nearly parallel: a rectangle has pi, a square pi / 2, pi and 3 pi / 2.
+    """
+    z = np.array(view.point_x, dtype=float) + 1j * np.array(view.point_y, dtype=float)
+    z, found = z - z.mean() if len(z) > 1 else z, []
+    for k in range(1, len(z)):
+        turn = np.vdot(z, np.roll(z, -k))
+        if abs(turn) > 0.0 and np.abs(np.roll(z, -k) - turn / abs(turn) * z).max() < ALIKE * np.abs(z).max():
+            found.append(float(np.angle(turn) % (2.0 * np.pi)))
+    return tuple(found)
