@@ -1,11 +1,14 @@
 """Laws that choose joint velocities within constraints: qp and mpc, on exact pictures."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from constrained import arm_of, asked, DT_S, fly, GOAL, law_of, MOMENTS, POINTS, ROUNDING, turned, VIEW
 from views import assert_same, differences, look_at, plane_of, tilted_pose, view
 
 from aras_visual_servo import DegenerateFeature, ParameterError, Status, View
+from aras_visual_servo.laws import qp
 from aras_visual_servo.laws.constraints import ConstraintSettings, rooms_of, WallSettings
 from aras_visual_servo.laws.mpc import _contour, _poses, _rooms_of_contour, CONTOUR, MpcSettings, predicted_points
 from aras_visual_servo.spatial import exponential
@@ -100,6 +103,23 @@ def test_what_cannot_be_kept_is_named_with_its_slack_or_the_camera_stands_still(
     joints, _, _, _ = asked(law_of(name, slack=False, **bounds), turned(0.5), velocity=0.1)
     assert joints.status == Status.JOINT_LIMIT and joints.text.startswith("standing still")
     assert not joints.q_dot.any()
+
+
+def test_what_standing_still_would_violate_is_named():
+    rooms = SimpleNamespace(names=("a", "b", "c", "d"))
+    assert qp.asked(rooms, np.array([-0.2, 0.3, 0.0, 1.5])) == ["b", "d"]
+    assert not set(qp.asked(rooms, np.array([-0.2, 0.0, -0.1, -1.0]))) & set(rooms.names)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("joint", [0, 3, 5])
+def test_a_joint_at_either_end_of_its_way_is_named_and_stands(joint, sign):
+    law, X, q = law_of("qp", half_width=5.0, half_height=5.0), turned(0.1), np.zeros(6)
+    q[joint] = sign
+    wanted = 0.1 * q
+    joints = law.joint_velocity(view(X, plane=plane_of(X)), arm_of(X, wanted, q=q, lower=-1.0, upper=1.0), wanted)
+    assert joints.status == Status.JOINT_LIMIT and joints.q_dot[joint] == pytest.approx(0.0, abs=ROUNDING)
+    assert joints.text == f"at their limits, the others go on: joint '{'abcdef'[joint]}'"
 
 
 def test_moments_of_a_view_without_points_stay_inside_too():
