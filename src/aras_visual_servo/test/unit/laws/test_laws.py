@@ -73,11 +73,13 @@ def test_alpha_error_takes_the_short_way_round():
 
 
 def test_a_target_declared_symmetric_is_so_whatever_the_view_seems_to_tell():
+    untold = features([0.0, 0.0, 0.5, 1.6])
+    del untold.symmetric
     for symmetric, expected in ((False, 3.0), (True, 3.0 - np.pi)):
         law = make_law("decoupled", GAINS, LawSetup(symmetric_target=symmetric))
         law.reset([0.0, 0.0, 0.5, -1.4])
-        answer = law.step(look_at(features([0.0, 0.0, 0.5, 1.6]), 0.01))
-        assert answer.e[3] == pytest.approx(expected, abs=ROUNDING)
+        for seen in (features([0.0, 0.0, 0.5, 1.6]), untold):
+            assert law.step(look_at(seen, 0.01)).e[3] == pytest.approx(expected, abs=ROUNDING)
 
 
 def test_symmetric_object_takes_the_short_way_modulo_pi():
