@@ -148,6 +148,13 @@ def test_row_of_each_kind_is_the_derivative(name, seed):
     assert_same(one.matrix(seen(X)), expected)
 
 
+@pytest.mark.parametrize("names", [("points4",), RAYS])
+def test_rows_with_the_depth_of_each_point_are_those_with_the_plane(names):
+    here, names = seen(tilted_pose(1)), FeatureSet(names)
+    over_Z = [plane_of(tilted_pose(1)) @ [x, y, 1.0] for x, y in zip(here.features.point_x, here.features.point_y)]
+    np.testing.assert_allclose(names.matrix(View(here.features, None, None, over_Z)), names.matrix(here), atol=ROUNDING)
+
+
 @pytest.mark.parametrize("name", VISP)
 def test_rows_are_those_of_visp(name):
     (x, y), features = POLYGON[:2].T.tolist(), FeatureSet([name])
