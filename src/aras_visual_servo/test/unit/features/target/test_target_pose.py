@@ -69,6 +69,15 @@ def test_one_step_from_nearby_leaves_the_square_of_the_error():
     assert residual > 1e-4
 
 
+def test_following_arrives_from_one_image_to_the_next():
+    X = tilted_pose(1)
+    start = pose_of(X @ exponential([0.01, -0.01, 0.02, 0.03, -0.02, 0.05], 1.0))
+    found, residual, condition = TARGET.follow(start, TARGET.measured(look(X)))
+    np.testing.assert_allclose(found, pose_of(X), atol=1e-3)  # square of what was left before, times 100
+    assert residual < target_pose.MAX_FOUND and condition == pytest.approx(
+        np.linalg.cond(TARGET.predicted(pose_of(X))[1]), rel=0.1)
+
+
 def test_another_object_is_not_taken_for_the_target():
     bar = np.array([[-0.2, -0.01], [0.2, -0.01], [0.2, 0.01], [-0.2, 0.01]])
     with pytest.raises(DegenerateFeature, match="no pose of the known outline"):
