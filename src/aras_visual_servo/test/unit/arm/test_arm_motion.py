@@ -309,8 +309,9 @@ def test_the_tilt_is_the_turn_since_the_taught_axis_and_is_turned_back_at_its_ga
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize("room", [0.004, -0.004])
-def test_a_joint_that_brakes_too_late_goes_to_its_end_at_most(room, sign):
-    motion, q = moving(inverse={"at_limits": "saturate"}, limits={"joint_acceleration": dict.fromkeys(GOAL, 5.0)})
+@pytest.mark.parametrize("at_limits", ["scale", "saturate"])
+def test_a_joint_that_brakes_too_late_goes_to_its_end_at_most(at_limits, room, sign):
+    motion, q = moving(inverse={"at_limits": at_limits}, limits={"joint_acceleration": dict.fromkeys(GOAL, 5.0)})
     gantry, (jacobian, inverse) = motion._kinematics.joint_names.index("gantry"), motion.at(q)
     q_dot = motion._kinematics.vector({**dict.fromkeys(GOAL, 0.0), "gantry": 2.0 * sign, "J6": 0.1})
     told = motion.told(q_dot, jacobian, Status.JOINT_LIMIT, "why")
