@@ -1,6 +1,7 @@
 """Limits, spare motion and visibility in the closed loop of the servo, on exact pictures."""
 
 import dataclasses
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from aras_visual_servo import ParameterError, Servo, ServoSettings, Status, View
 from aras_visual_servo.arm.motion import ArmMotion, LAG_S, LIMIT_HORIZON
 from aras_visual_servo.features.interaction import centroid
 from aras_visual_servo.servo.visibility import keep_in_view, VisibilitySettings
+from aras_visual_servo.spatial import exponential
 
 ACCELERATION = 2.0
 #: A joint may use up its room in this time [s].
@@ -161,7 +163,7 @@ def test_an_object_that_would_leave_the_view_stays_and_the_servo_arrives():
 
 @pytest.mark.parametrize("bad, word", [
     ({"inverse": {"at_limits": "clip"}}, "at_limits"), ({"null_space": {"projection": "small"}}, "projection"),
-    ({"null_space": {"projection": "large", "large_from": [0.3, 0.1]}}, "large_from"),
+    ({"null_space": {"projection": "large", "large_from": [0.3, 0.3]}}, "large_from"),
     ({"limits": {"joint_acceleration": {"J9": 1.0}}}, "J9"), ({"limits": {"camera_speed_m_s": 0.0}}, "camera_speed"),
     ({"visibility": {"half_width": 0.5}}, "half_height"), ({"limits": {"surprise": 1}}, "surprise")])
 def test_faults_of_the_sections_are_named(bad, word):
@@ -267,3 +269,65 @@ def test_near_a_singularity_is_where_a_tenth_of_the_twist_is_lost(part, near, si
     monkeypatch.setattr(type(inverse), "lost", lambda self, twist: part * float(np.linalg.norm(twist)))
     motion = arm_motion.joint_velocity(q, twist, jacobian, inverse, DT_S)
     assert (motion.status == Status.NEAR_SINGULARITY) == (near and heard)
+
+
+def test_the_speed_limit_of_a_joint_slows_the_twist_as_a_whole():
+    motion, q = moving()
+    jacobian, inverse = motion.at(q)
+    for gantry, factor in ((10.0, 0.5), (4.0, 1.0)):  # the limit is 5 m/s
+        twist = jacobian @ motion._kinematics.vector({**dict.fromkeys(GOAL, 0.0), "gantry": gantry, "J6": 0.5})
+        found = motion.joint_velocity(q, twist, jacobian, inverse, 1e-9)  # the Jacobian has no time to change
+        np.testing.assert_allclose(found.twist, factor * twist, rtol=1e-6)
+        np.testing.assert_allclose(jacobian @ found.q_dot, found.twist, atol=1e-6)
+
+
+@pytest.mark.parametrize("rests, status", [(False, Status.NEAR_SINGULARITY), (True, None)])
+def test_a_joint_that_reverses_from_image_to_image_is_told_until_the_arm_rests(rests, status):
+    motion, q = moving()
+    jacobian, inverse = motion.at(q)
+    for q_dot in (1.0, -1.0, 1.0, -1.0):  # a fifth of the joint's limit
+        if rests:
+            motion.rest()
+        twist = jacobian @ motion._kinematics.vector({**dict.fromkeys(GOAL, 0.0), "J6": q_dot})
+        found = motion.joint_velocity(q, twist, jacobian, inverse, DT_S)
+    assert found.status == status and ("J6" in found.text) == (not rests)
+
+
+@pytest.mark.parametrize("turn", [(0.3, -0.2), (-1.0, 0.4), (0.0, 0.0)])
+def test_the_tilt_is_the_turn_since_the_taught_axis_and_is_turned_back_at_its_gain(turn):
+    motion = moving()[0]
+    inverse = SimpleNamespace(turn_about=lambda turn, point: (*turn, point))
+    taught = exponential(np.array([0.1, 0.2, 0.3, 0.7, -1.1, 0.4]))
+    here = taught @ exponential(np.array([0.0, 0.0, 0.5, *turn, 0.0]))
+    assert motion.tilt_of(here) is None
+    np.testing.assert_array_equal(motion.tilt(here, inverse, 2.0, "point"), np.zeros(6), strict=True)
+    motion.set_reference(SimpleNamespace(posture=None, optical_axis_B=taught[:3, 2]))
+    assert motion.tilt_of(here) == pytest.approx(turn, abs=1e-12)
+    x, y, point = motion.tilt(here, inverse, 2.0, "point")
+    assert (x, y) == pytest.approx((-2.0 * turn[0], -2.0 * turn[1]), abs=1e-12) and point == "point"
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("room", [0.004, -0.004])
+@pytest.mark.parametrize("at_limits", ["scale", "saturate"])
+def test_a_joint_that_brakes_too_late_goes_to_its_end_at_most(at_limits, room, sign):
+    motion, q = moving(inverse={"at_limits": at_limits}, limits={"joint_acceleration": dict.fromkeys(GOAL, 5.0)})
+    gantry, (jacobian, inverse) = motion._kinematics.joint_names.index("gantry"), motion.at(q)
+    q_dot = motion._kinematics.vector({**dict.fromkeys(GOAL, 0.0), "gantry": 2.0 * sign, "J6": 0.1})
+    told = motion.told(q_dot, jacobian, Status.JOINT_LIMIT, "why")
+    np.testing.assert_array_equal(told.twist, jacobian @ q_dot)
+    assert told.q_dot is q_dot and told[2:] == (Status.JOINT_LIMIT, "why")
+    q[gantry] = (motion.upper if sign > 0.0 else motion.lower)[gantry] - sign * room
+    found = motion.joint_velocity(q, jacobian @ q_dot, jacobian, inverse, DT_S)
+    assert found.q_dot[gantry] == pytest.approx(sign * max(0.0, room) / DT_S, abs=1e-9)
+
+
+def test_a_motion_is_split_into_what_moves_the_camera_and_what_does_not():
+    motion = moving()[0]
+    stretched = motion._kinematics.vector({**GOAL, "J2": 0.4, "J3": 0.0, "J5": 0.8})
+    free = np.linalg.svd(motion.at(stretched)[0])[2][-1]  # the one motion of the joints that the camera does not see
+    q_dot = motion._kinematics.vector({**dict.fromkeys(GOAL, 0.1), "J2": -0.2, "J6": 0.3})
+    moves, null = motion.split(stretched, q_dot)
+    assert abs(free @ q_dot) > 0.05
+    np.testing.assert_allclose(null, (free @ q_dot) * free, atol=1e-9)
+    np.testing.assert_allclose(moves, q_dot - null, atol=1e-15)

@@ -10,7 +10,7 @@ from aras_visual_servo import (
 from aras_visual_servo.arm.free_camera import FreeCamera, NAMES
 from aras_visual_servo.arm.motion import ArmMotion
 from aras_visual_servo.arm.trajectory import JointTrajectory
-from aras_visual_servo.spatial import exponential, inverse, rotation, rotation_vector
+from aras_visual_servo.spatial import exponential, inverse, pose_from_rpy, rotation, rotation_vector
 
 URDF = resolve_uri("package://aras_description/urdf/free_camera.urdf").read_text()
 ASKEW = """<robot name="askew"><link name="world"/><link name="body"/><link name="eye"/>
@@ -35,6 +35,12 @@ def place(seed, angle=None):
     axis = rng.normal(size=3)
     angle = rng.uniform(0.0, 3.0) if angle is None else angle
     return np.r_[rng.uniform(-1.0, 1.0, 3), angle * axis / np.linalg.norm(axis)]
+
+
+def test_the_camera_is_where_the_body_carries_it():
+    bare = ASKEW.replace('<origin xyz="0.05 -0.02 0.1" rpy="0.3 -0.4 1.1"/>', "")
+    for urdf, X_BE in ((ASKEW, pose_from_rpy([0.05, -0.02, 0.1], [0.3, -0.4, 1.1])), (bare, np.eye(4))):
+        np.testing.assert_allclose(robot_kinematics(urdf, "world", "eye").pose(np.zeros(6)), X_BE, atol=ROUNDING)
 
 
 def test_the_floating_joint_decides_what_a_robot_is():

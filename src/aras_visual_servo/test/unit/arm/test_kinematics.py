@@ -1,5 +1,7 @@
 """Kinematics of an arm that carries the camera, and of one that carries the target."""
 
+import re
+
 import numpy as np
 import pytest
 from toy_plant import arm, GOAL, URDF
@@ -7,6 +9,7 @@ from toy_plant import arm, GOAL, URDF
 from aras_visual_servo import (
     Kinematics, kinematics_of, load_scenario, ModelError, NotFiniteError, ParameterError, ShapeError, TwistInverse,
     velocity_factor)
+from aras_visual_servo.arm import reach as reaching
 from aras_visual_servo.spatial import adjoint, inverse, pose_from_rpy
 
 STEP = 1e-6  # of central differences [m, rad]
@@ -216,3 +219,68 @@ def test_a_calibrated_camera_stands_where_the_calibration_has_it():
 def test_a_camera_or_a_target_that_cannot_be_is_refused_by_name(changes, cause):
     with pytest.raises(ModelError, match=cause):
         chain("experiment_1", **changes)
+
+
+# --- joint positions for a pose of the camera -------------------------------------------------------------------------
+
+
+def gantry(limit=100.0):
+    """Joints x, y and z along the axes of the base, and one about x: its Jacobian is 1 where nothing is turned."""
+    text, names = '<link name="0"/>', ("x", "y", "z", "z_roll")
+    for i, (name, axis) in enumerate(zip(names, ("1 0 0", "0 1 0", "0 0 1", "1 0 0"))):
+        text += (f'<link name="{i + 1}"/><joint name="{name}" type="{"revolute" if i == 3 else "prismatic"}">'
+                 f'<parent link="{i}"/><child link="{i + 1}"/><axis xyz="{axis}"/>'
+                 f'<limit lower="{-limit}" upper="{limit}" velocity="1" effort="1"/></joint>')
+    return Kinematics(f'<robot name="gantry">{text}</robot>', "0", "4")
+
+
+def test_a_search_takes_sixty_damped_steps_of_at_most_three_tenths():
+    q, error = reaching._solve(gantry(), pose_from_rpy([20.0, 10.0, 0.0], [0.0] * 3), np.zeros(4))
+    np.testing.assert_allclose(q, [18.0, 9.0, 0.0, 0.0], rtol=1e-12)
+    np.testing.assert_allclose(error, [2.3, 1.15, 0.0, 0.0, 0.0, 0.0], rtol=1e-12)  # where the last step begins
+    q, error = reaching._solve(gantry(), pose_from_rpy([0.0, 0.2, 0.0], [0.0] * 3), np.zeros(4))
+    assert q[1] == pytest.approx(0.2 / (1.0 + 0.01**2), rel=1e-12) and error[1] == pytest.approx(0.2 - q[1])
+
+
+@pytest.mark.parametrize("index, size, there", [  # the search ends exactly where `reach` takes what it found
+    (0, 0.99e-4, True), (0, 1e-4, False), (2, 1.01e-4, False), (3, 4.9e-4, True), (3, 5e-4, False), (3, 5.1e-4, False)])
+def test_a_pose_is_reached_within_a_tenth_of_a_millimetre_and_half_a_milliradian(index, size, there, monkeypatch):
+    place, near = size * np.eye(6)[index], np.zeros(4)
+    X = pose_from_rpy(place[:3], place[3:])
+    assert np.array_equal(reaching._solve(gantry(), X, near)[0], near) is there
+    monkeypatch.setattr(reaching, "_solve", lambda kinematics, X_BC, q: (q, place))
+    assert (reaching.reach(gantry(), near, X)[0] is not None) is there
+
+
+def test_a_solution_within_the_limits_is_looked_for_from_six_other_postures_nearby(monkeypatch):
+    begun, beyond = [], np.array([2.0, 0.0, 0.0, 0.0])
+
+    def solve(kinematics, X_BC, q):
+        begun.append(q)
+        return (np.full(4, 0.5) if len(begun) == last else beyond + len(begun)), np.zeros(6)
+
+    monkeypatch.setattr(reaching, "_solve", solve)
+    near = np.array([0.1, 0.2, 0.3, 0.4])
+    for last, found in ((1, 0.5), (7, 0.5), (8, 3.0)):  # where there is none, the first solution is what there is
+        begun.clear()
+        joints, why_not = reaching.reach(gantry(1.0), near, np.eye(4))
+        assert joints["x"] == found and why_not == "" and len(begun) == min(7, last)
+    off = np.array(begun) - near
+    assert not off[0].any() and 0.6 < np.abs(off[1:]).max() <= 0.8 and off[1:].min() < 0.0 < off[1:].max()
+    assert (np.abs(off[1:]).sum(axis=1) > 0.0).all()
+
+
+def test_of_several_searches_in_vain_the_nearest_is_told(monkeypatch):
+    left = iter([3.0, 1.0, 2.0, 4.0, 5.0, 6.0, 7.0])
+    monkeypatch.setattr(reaching, "_solve", lambda kinematics, X_BC, q: (
+        q, next(left) * np.array([0.003, 0.0, 0.004, 0.0, 0.01, 0.0])))
+    joints, why_not = reaching.reach(gantry(), np.zeros(4), np.eye(4))
+    assert joints is None and next(left, None) is None
+    assert list(map(float, re.findall(r"[0-9.]+", why_not))) == [5.0, pytest.approx(np.degrees(0.01), rel=1e-2)]
+
+
+def test_joints_outside_their_limits_are_named():
+    joints = {"x": 1.1, "y": -1.1, "z": 1.0, "z_roll": -1.0}
+    assert reaching.outside_limits(gantry(1.0), {**joints, "x": 0.0, "y": 0.0}) == ""
+    text = reaching.outside_limits(gantry(1.0), joints)
+    assert "x 1.1 " in text and "y -1.1 " in text and "z" not in text

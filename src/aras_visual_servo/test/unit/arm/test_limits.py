@@ -37,7 +37,8 @@ def test_acceleration_from_rest_keeps_the_direction():
 
 def test_acceleration_within_its_limit_changes_nothing():
     wanted = np.array([1.0, -3.0])
-    assert accelerated(np.array([0.9, -2.8]), wanted, np.array([0.2, 0.2])) is wanted
+    for change in (0.2, np.inf):
+        assert accelerated(np.array([0.9, -2.8]), wanted, np.full(2, change)) is wanted
 
 
 def test_a_motion_that_turns_round_goes_a_part_of_the_way():
@@ -145,7 +146,8 @@ def test_full_speed_both_ways_is_told_after_a_few_images_and_forgotten_after_a_f
     assert found[2] is None and found[3] == "J2" and found[9] == "J2" and found[-1] is None
 
 
-@pytest.mark.parametrize("velocities", [[0.3, -0.3] * 20, [4.0] * 10 + [-4.0] * 10, ([4.0] * 6 + [-4.0] * 6) * 4])
+@pytest.mark.parametrize("velocities", [[0.3, -0.3] * 20, [0.6, 0.7] * 9,
+                                        [4.0] * 10 + [-4.0] * 10, ([4.0] * 6 + [-4.0] * 6) * 4])
 def test_slow_trembling_and_turning_round_are_none(velocities):
     assert set(told(velocities)) == {None}
 

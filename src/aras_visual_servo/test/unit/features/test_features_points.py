@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from views import assert_same, differences, exponential, look_at, plane_of, tilted_pose, view
+from views import assert_same, differences, exponential, plane_of, tilted_pose, view
 from visp_values import PLANE, POLYGON
 
 from aras_visual_servo import (
@@ -90,40 +90,9 @@ GOAL, HERE = tilted_pose(1), tilted_pose(2)
 EIGHT = FeatureSet(["points4"]).names
 
 
-def law_of(point_depth, interaction="current"):
-    law = make_law("ibvs", [2.0] * 8, LawSetup(("points4",), interaction, point_depth=point_depth))
-    four = view(GOAL, OUTLINE4)
-    law.reset(Reference(FeatureSet(EIGHT).values(four), view=four.features, plane_C=plane_of(GOAL)))
-    return law
-
-
-OUTLINE4 = np.array([[-0.09, -0.045], [0.10, -0.03], [0.06, 0.03], [-0.07, 0.04]])
-
-
-@pytest.mark.parametrize("point_depth", ["plane", "goal"])
-def test_law_takes_the_depth_it_is_told(point_depth):
-    law, here = law_of(point_depth), view(HERE, OUTLINE4)
-    answer = law.step(look_at(here.features, 0.0, plane_of(HERE)))
-    seen = view(HERE if point_depth == "plane" else GOAL, OUTLINE4).features
-    plane = plane_of(HERE if point_depth == "plane" else GOAL)
-    over_Z = [float(plane @ [x, y, 1.0]) for x, y in zip(seen.point_x, seen.point_y)]
-    rows = []
-    for x, y, d in zip(here.features.point_x, here.features.point_y, over_Z):
-        rows += [[-d, 0.0, x * d, x * y, -1.0 - x * x, y], [0.0, -d, y * d, 1.0 + y * y, -x * y, -x]]
-    np.testing.assert_allclose(answer.twist, -2.0 * np.linalg.pinv(rows) @ answer.e, atol=1e-9)  # condition: 100
-
-
 def test_number_of_points_that_changes_is_refused():
-    law, here = law_of("goal"), view(HERE)  # five corners
     with pytest.raises(DegenerateFeature, match="found 5 in this view, 4 at the goal"):
-        law.step(look_at(here.features, 0.0, plane_of(HERE)))
-
-
-def test_depth_at_the_goal_needs_the_goal():
-    with pytest.raises(ParameterError, match="teach the goal again"):
-        make_law("ibvs", [2.0] * 8, LawSetup(("points4",), "current", point_depth="goal")).reset([0.0] * 8)
-    with pytest.raises(ParameterError, match="point_depth: found near, .*plane, goal"):
-        make_law("ibvs", [2.0] * 8, LawSetup(("points4",), point_depth="near"))
+        FeatureSet(EIGHT).matrix(View(view(HERE).features, None, None, [2.0] * 4))
 
 
 def test_reference_keeps_its_points_through_a_round_trip():
@@ -177,6 +146,13 @@ def test_row_of_each_kind_is_the_derivative(name, seed):
     X, one = tilted_pose(seed), FeatureSet([name])
     expected = differences(lambda X: one.values(seen(X)), X, lambda a, b: one.error(a, b, False))
     assert_same(one.matrix(seen(X)), expected)
+
+
+@pytest.mark.parametrize("names", [("points4",), RAYS])
+def test_rows_with_the_depth_of_each_point_are_those_with_the_plane(names):
+    here, names = seen(tilted_pose(1)), FeatureSet(names)
+    over_Z = [plane_of(tilted_pose(1)) @ [x, y, 1.0] for x, y in zip(here.features.point_x, here.features.point_y)]
+    np.testing.assert_allclose(names.matrix(View(here.features, None, None, over_Z)), names.matrix(here), atol=ROUNDING)
 
 
 @pytest.mark.parametrize("name", VISP)

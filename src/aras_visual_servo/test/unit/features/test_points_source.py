@@ -51,6 +51,7 @@ def test_a_tag_of_known_size_tells_its_plane_and_one_of_unknown_size_takes_the_g
     np.testing.assert_allclose(normal, [0.0, -s, c], atol=1e-12)
     np.testing.assert_allclose(found.plane_C @ [0.1, 0.0, 0.5], 1.0)
     assert found.view.z_star_m == 9.0 and found.features.point_x == seen().point_x
+    assert found.view.target_visible and found.view.valid and found.view.has_reference
 
 
 def test_several_views_of_a_goal_are_averaged_point_by_point():

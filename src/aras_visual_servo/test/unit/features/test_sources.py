@@ -122,6 +122,19 @@ def test_luminance_says_why_it_is_not_fit(change, text):
     assert source_named("photometric").why_lost(seen) == text
 
 
+def test_views_of_a_goal_are_averaged_field_by_field_and_alpha_the_short_way_round():
+    points = ("point_x", "point_y", "ray_x", "ray_y", "ray_z", "kernel_x", "kernel_y")
+    numbers = ("area", "xg", "yg", "xn", "yn", "an")
+    views = [Features(alpha=alpha, moment_names=("00", "10"), m=(k, 3.0 * k), mu=(2.0 * k, 0.0), point_z=z,
+                      **{name: (k, -k) for name in points}, **{name: k + i for i, name in enumerate(numbers)})
+             for k, alpha, z in ((1.0, 1.5, (0.5, np.nan)), (2.0, -1.5, (0.4, 0.6)))]
+    mean = source_named("moments").mean(views)
+    assert (mean.moment_names, mean.m, mean.mu, mean.point_z) == (("00", "10"), (1.5, 4.5), (3.0, 0.0), (0.4, 0.6))
+    assert {getattr(mean, name) for name in points} == {(1.5, -1.5)}
+    assert [getattr(mean, name) for name in numbers] == [1.5 + i for i in range(6)]
+    assert mean.alpha == pytest.approx(0.5 * np.pi)  # 1.5 and 0.142 further on, where an axis is at -1.5 too
+
+
 @pytest.fixture
 def sonar():
     """A source and its feature as a plugin registers them."""
@@ -152,6 +165,7 @@ def test_a_source_of_somebody_else_is_taught_and_servoed_on(sonar):
     servo = Servo(arm(), config(law="ibvs", features=["echo"], gains_per_s={"echo": 1.0}, thresholds={"echo": 1e-3},
                                 interaction="current"))
     assert servo.source.topic == "camera/sonar"
+    assert servo.source.kept("seen") == "seen" and servo.source.mean(["first", "second"]) == "first"
     bench, seen = Bench(), SimpleNamespace(target_visible=True, valid=True, echo=3.0)
     reference = servo.teach(seen, GOAL, 0.6)
     assert reference.s_star.tolist() == [0.6] and reference.view is None

@@ -1,14 +1,17 @@
 """Laws that choose joint velocities within constraints: qp and mpc, on exact pictures."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from constrained import arm_of, asked, DT_S, fly, GOAL, law_of, MOMENTS, POINTS, ROUNDING, turned, VIEW
 from views import assert_same, differences, look_at, plane_of, tilted_pose, view
 
-from aras_visual_servo import DegenerateFeature, ParameterError, Status, View
+from aras_visual_servo import DegenerateFeature, FeatureSet, ParameterError, Status, View
+from aras_visual_servo.laws import qp
 from aras_visual_servo.laws.constraints import ConstraintSettings, rooms_of, WallSettings
 from aras_visual_servo.laws.mpc import _contour, _poses, _rooms_of_contour, CONTOUR, MpcSettings, predicted_points
-from aras_visual_servo.spatial import exponential
+from aras_visual_servo.spatial import exponential, exponentials
 
 #: A point's coordinate is linear in the motion of a period but for this part of the view: (0.1 rad)^2.
 CURVED = 0.01
@@ -102,6 +105,47 @@ def test_what_cannot_be_kept_is_named_with_its_slack_or_the_camera_stands_still(
     assert not joints.q_dot.any()
 
 
+def test_what_standing_still_would_violate_is_named():
+    rooms = SimpleNamespace(names=("a", "b", "c", "d"))
+    assert qp.asked(rooms, np.array([-0.2, 0.3, 0.0, 1.5])) == ["b", "d"]
+    assert not set(qp.asked(rooms, np.array([-0.2, 0.0, -0.1, -1.0]))) & set(rooms.names)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("joint", [0, 3, 5])
+def test_a_joint_at_either_end_of_its_way_is_named_and_stands(joint, sign):
+    law, X, q = law_of("qp", half_width=5.0, half_height=5.0), turned(0.1), np.zeros(6)
+    q[joint] = sign
+    wanted = 0.1 * q
+    joints = law.joint_velocity(view(X, plane=plane_of(X)), arm_of(X, wanted, q=q, lower=-1.0, upper=1.0), wanted)
+    assert joints.status == Status.JOINT_LIMIT and joints.q_dot[joint] == pytest.approx(0.0, abs=ROUNDING)
+    assert joints.text == f"at their limits, the others go on: joint '{'abcdef'[joint]}'"
+    velocity = np.full(6, 5.0)
+    velocity[joint] = 0.05
+    joints = law.joint_velocity(view(X, plane=plane_of(X)), arm_of(X, wanted, velocity=velocity), wanted)
+    assert joints.status is None and joints.q_dot[joint] == pytest.approx(0.05 * sign)
+    assert joints.text == f"servoing, held back by joint '{'abcdef'[joint]}'"
+
+
+def test_what_pushes_a_millionth_of_what_pushes_most_is_not_named():
+    multipliers = np.zeros(2 + 2 * 6)
+    multipliers[:2] = 1.0, 0.5 * qp.BINDS
+    joints = law_of("qp")._answer(arm_of(GOAL, np.zeros(6)), ("a border", "a wall"), np.zeros(6), multipliers)
+    assert joints.text == "servoing, held back by a border"
+
+
+@pytest.mark.parametrize("features", [POINTS, ("xn", "yn", "an", "alpha")])
+def test_the_metric_weighs_each_feature_and_each_joint_on_the_scale_of_one(features):
+    law, jacobian = law_of("qp", features, damping=0.01), np.diag([1.0, 2.0, 3.0, 1.0, 1.0, 0.5])
+    L = FeatureSet(features).matrix(view(GOAL, plane=plane_of(GOAL)))
+    seen = L.T @ L * (6.0 / np.trace(L.T @ L))
+    if features is not POINTS:
+        seen += np.diag([0.0, 0.0, 0.0, 1.0, 1.0, 0.0])
+    H = jacobian @ seen @ jacobian
+    np.testing.assert_allclose(law.metric(view(GOAL, plane=plane_of(GOAL)), jacobian),
+                               H * (6.0 / np.trace(H)) + 0.01 * np.eye(6), atol=ROUNDING)
+
+
 def test_moments_of_a_view_without_points_stay_inside_too():
     law = law_of("qp", MOMENTS, half_width=0.3, half_height=0.3, margin=0.0, extent=1.5, rate_per_s=1.0)
     X = turned(0.8, aside_m=0.03)
@@ -123,9 +167,9 @@ def test_a_joint_that_cannot_brake_in_time_is_named():
 
 
 @pytest.mark.parametrize("name", ["qp", "mpc"])
-@pytest.mark.parametrize("C", [-1.0, np.nan])
-def test_a_depth_that_is_not_known_is_a_view_without_features(name, C):
-    law, seen = law_of(name), View(view(GOAL).features, (0.0, 0.0, C))
+@pytest.mark.parametrize("plane", [(0.0, 0.0, -1.0), (0.0, 0.0, np.nan), (20.0, 0.0, 1.0)])  # one or all of them
+def test_a_depth_that_is_not_known_is_a_view_without_features(name, plane):
+    law, seen = law_of(name), View(view(GOAL).features, plane)
     with pytest.raises(DegenerateFeature, match="inverse depths"):
         law.joint_velocity(seen, arm_of(GOAL, np.zeros(6)), np.zeros(6))
 
@@ -170,10 +214,13 @@ def test_predicted_points_and_their_rows_are_those_of_the_moved_camera():
         np.testing.assert_allclose(here, picture(pose), atol=ROUNDING)
         # A twist in the first frame comes before the way: X exp(twist) X^-1 pose, with X = 1.
         assert_same(row, differences(lambda Y: picture(np.linalg.inv(X) @ Y @ pose), X))
+    at, _ = predicted_points(np.array([[0.01], [-0.02], [-0.3]]), np.eye(4)[None])  # as if it were 20 mm ahead
+    np.testing.assert_allclose(at, [[0.5, -1.0, 0.02]])
 
 
 def test_a_horizon_shorter_than_its_moves_is_refused():
     assert list(MpcSettings(horizon=3, moves=4).check()) == ["moves: found 4, allowed at most horizon, 3"]
+    assert not list(MpcSettings(horizon=4, moves=4).check())
 
 
 def test_after_standing_still_no_earlier_plan_is_followed():
@@ -194,6 +241,25 @@ def test_the_first_plan_of_mpc_is_about_joints_that_slow_down_as_the_error_does(
     np.testing.assert_allclose(nominal, mean[:, None] * wanted, atol=ROUNDING)
 
 
+@pytest.mark.parametrize("features", [POINTS, MOMENTS, ("xn", "yn", "an", "alpha")])
+def test_a_camera_on_the_wanted_way_lacks_nothing_of_it(features):
+    law, seen = law_of("mpc", features), view(GOAL, plane=plane_of(GOAL))
+    twist = np.array([0.1, 0.0, -0.2, 0.0, 0.0, 0.5])
+    way = exponentials(np.outer(law._worth, twist))
+    *_, lack = law._predict(seen, twist, way, law._ahead(seen, arm_of(GOAL, twist)))
+    np.testing.assert_allclose(lack, 0.0, atol=ROUNDING)
+
+
+def test_the_rows_of_a_plan_are_its_velocities_its_ends_and_its_changes():
+    law, plan = law_of("mpc", horizon=6, moves=3, period_s=0.1), np.random.default_rng(3).normal(size=(3, 6))
+    arm = arm_of(GOAL, plan[0], q=0.1 * plan[1], lower=-1.0, upper=2.0, velocity=4.0, acceleration=3.0)
+    C, c = law._joint_rows(arm, 6)
+    ends, changes = arm.q + np.cumsum(plan * [[0.1], [0.1], [0.4]], axis=0), np.diff(plan, axis=0)  # the last: 4 steps
+    expected = [plan[:1] - arm.low, arm.high - plan[:1], 4.0 + plan[1:], 4.0 - plan[1:], 1.0 + ends, 2.0 - ends,
+                0.3 + changes, 0.3 - changes]
+    np.testing.assert_allclose(C @ plan.ravel() - c, np.concatenate(expected).ravel(), atol=ROUNDING)
+
+
 def test_a_contour_contains_the_ellipse_of_the_moments_and_its_rooms_are_those_to_the_borders():
     seen = view(turned(0.3, aside_m=0.02))
     f, mu = seen.features, seen.mu
@@ -203,13 +269,17 @@ def test_a_contour_contains_the_ellipse_of_the_moments_and_its_rooms_are_those_t
         towards = np.array([np.cos(angle), np.sin(angle)])
         reach, ellipse = ((contour - middle) @ towards).max(), 1.5 * np.sqrt(towards @ n @ towards)
         assert ellipse * (1.0 - ROUNDING) <= reach <= ellipse / np.cos(np.pi / CONTOUR) * (1.0 + ROUNDING)
-    settings = ConstraintSettings(**VIEW)
     X = turned(0.3, aside_m=0.02)
     pointless = view(X, plane=plane_of(X))
     pointless.features.point_x = pointless.features.point_y = ()
-    h = _rooms_of_contour(settings, contour, rooms_of(settings, pointless, X)).h[:4 * CONTOUR].reshape(4, CONTOUR)
     x, y = contour.T
-    np.testing.assert_allclose(h, [0.55 + x, 0.55 - x, 0.45 + y, 0.45 - y], atol=ROUNDING)
+    before_m = 1.0 / float(plane_of(X) @ [f.xg, f.yg, 1.0]) - 0.04
+    for walls, rooms_m in (({}, []), ({"table": WallSettings((0.0, 0.0, 1.0), 0.1)}, [X[2, 3] - 0.1])):
+        settings = ConstraintSettings(**VIEW, least_depth_m=0.04, walls=walls)
+        rooms = _rooms_of_contour(settings, contour, rooms_of(settings, pointless, X))
+        expected = [0.55 + x, 0.55 - x, 0.45 + y, 0.45 - y, np.full(CONTOUR, before_m), rooms_m]
+        np.testing.assert_allclose(rooms.h, np.concatenate(expected), atol=ROUNDING)
+        assert rooms.names[5 * CONTOUR:] == tuple(f"wall '{name}'" for name in walls)
 
 
 @pytest.mark.parametrize("features", [POINTS, MOMENTS])

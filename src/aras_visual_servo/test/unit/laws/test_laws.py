@@ -73,11 +73,13 @@ def test_alpha_error_takes_the_short_way_round():
 
 
 def test_a_target_declared_symmetric_is_so_whatever_the_view_seems_to_tell():
+    untold = features([0.0, 0.0, 0.5, 1.6])
+    del untold.symmetric
     for symmetric, expected in ((False, 3.0), (True, 3.0 - np.pi)):
         law = make_law("decoupled", GAINS, LawSetup(symmetric_target=symmetric))
         law.reset([0.0, 0.0, 0.5, -1.4])
-        answer = law.step(look_at(features([0.0, 0.0, 0.5, 1.6]), 0.01))
-        assert answer.e[3] == pytest.approx(expected, abs=ROUNDING)
+        for seen in (features([0.0, 0.0, 0.5, 1.6]), untold):
+            assert law.step(look_at(seen, 0.01)).e[3] == pytest.approx(expected, abs=ROUNDING)
 
 
 def test_symmetric_object_takes_the_short_way_modulo_pi():
@@ -254,6 +256,33 @@ def test_reference_with_its_view_survives_a_round_trip():
     broken["view"] = {"m": [1.0]}
     with pytest.raises(ParameterError, match="reference.view"):
         Reference.from_dict(broken)
+
+
+# --- the depth of each point ------------------------------------------------------------------------------------------
+
+
+OUTLINE4 = np.array([[-0.09, -0.045], [0.10, -0.03], [0.06, 0.03], [-0.07, 0.04]])
+
+
+@pytest.mark.parametrize("point_depth", ["plane", "goal"])
+def test_law_takes_the_depth_it_is_told(point_depth):
+    goal, here = view(GOAL, OUTLINE4), view(HERE, OUTLINE4)
+    law = make_law("ibvs", [2.0] * 8, LawSetup(("points4",), "current", point_depth=point_depth))
+    law.reset(Reference(FeatureSet(["points4"]).values(goal), view=goal.features, plane_C=plane_of(GOAL)))
+    answer = law.step(look_at(here.features, 0.0, plane_of(HERE)))
+    seen, plane = (here, plane_of(HERE)) if point_depth == "plane" else (goal, plane_of(GOAL))
+    over_Z = [float(plane @ [x, y, 1.0]) for x, y in zip(seen.features.point_x, seen.features.point_y)]
+    rows = []
+    for x, y, d in zip(here.features.point_x, here.features.point_y, over_Z):
+        rows += [[-d, 0.0, x * d, x * y, -1.0 - x * x, y], [0.0, -d, y * d, 1.0 + y * y, -x * y, -x]]
+    np.testing.assert_allclose(answer.twist, -2.0 * np.linalg.pinv(rows) @ answer.e, atol=1e-9)  # condition: 100
+
+
+def test_depth_at_the_goal_needs_the_goal():
+    with pytest.raises(ParameterError, match="teach the goal again"):
+        make_law("ibvs", [2.0] * 8, LawSetup(("points4",), "current", point_depth="goal")).reset([0.0] * 8)
+    with pytest.raises(ParameterError, match="point_depth: found near, .*plane, goal"):
+        make_law("ibvs", [2.0] * 8, LawSetup(("points4",), point_depth="near"))
 
 
 # --- adaptive gain --------------------------------------------------------------------------------------------------

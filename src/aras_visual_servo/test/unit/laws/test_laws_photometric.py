@@ -43,7 +43,8 @@ XI = np.array([0.01, -0.02, 0.03, 0.1, -0.05, 0.2])
 
 
 def test_without_damping_the_twist_goes_the_gauss_newton_step_at_the_gain_asked_for():
-    twist = law_of().step(look_at(features(XI), DT_S)).twist
+    twist, *_, pose, _ = law_of().step(look_at(features(XI), DT_S))
+    np.testing.assert_allclose(pose, -XI, rtol=ROUNDING)
     np.testing.assert_allclose(twist * DT_S, XI * (1.0 - np.exp(-GAIN * DT_S)), rtol=ROUNDING)
     np.testing.assert_allclose(law_of().step(look_at(features(XI), 0.0)).twist, XI * GAIN, rtol=ROUNDING)
 

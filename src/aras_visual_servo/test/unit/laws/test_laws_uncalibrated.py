@@ -158,6 +158,9 @@ def test_one_motion_leaves_the_share_unexplained_that_least_squares_say():
     share = forgetting / (forgetting + h @ h / move**2)
     assert share < 0.3
     np.testing.assert_allclose(change - law.L @ first * DT_S, share * (change - before @ first * DT_S), atol=ROUNDING)
+    # What is known after it: what was, less what is forgotten, and the motion itself.
+    np.testing.assert_allclose(np.linalg.inv(law._P), forgetting * move**2 * np.eye(6) + np.outer(h, h), rtol=1e-9,
+                               atol=1e-12)
     across = np.array([h[1], -h[0], 0.0, 0.0, 0.0, 0.0]) * units
     np.testing.assert_allclose(law.L @ across, before @ across, atol=ROUNDING)
 

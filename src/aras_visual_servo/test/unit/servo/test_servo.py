@@ -190,6 +190,31 @@ def test_look_then_move_broken_off_by_late_input_does_not_jump():
     assert Status.STALE_INPUT in {record.status for record in bench.records}
 
 
+def test_look_then_move_stopped_between_two_images_stands_where_the_move_is():
+    bench = Bench(mode="look_then_move", gains_per_s=dict.fromkeys(FEATURE_NAMES, 50.0))
+    bench.stamp_ns = 1_000_000_000
+    bench.servo.start(bench.stamp_ns, bench.set_point)
+    for _ in range(12):
+        bench.step()
+    then, ahead = bench.arm.vector(bench.commands[-1].position), bench.set_point.copy()
+    command, _ = bench.servo.stop(bench.stamp_ns - PERIOD_NS // 2, "asked to")
+    part = (bench.arm.vector(command.position) - then) / (ahead - then)
+    np.testing.assert_allclose(part, 0.5, atol=0.05)  # the speed changes on the way
+
+
+@pytest.mark.parametrize("changes", [{}, {"filter": {}}, {
+    "mode": "look_then_move", "gains_per_s": dict.fromkeys(FEATURE_NAMES, 50.0)}])
+def test_it_does_not_matter_when_the_clock_began(changes):
+    first, later = benches = Bench(**changes), Bench(**changes)
+    later.stamp_ns = 1_700_000_000_000_000_000
+    later.servo.start(later.stamp_ns, later.set_point)
+    for _ in range(40):
+        for bench in benches:
+            bench.step()
+        np.testing.assert_array_equal(later.set_point, first.set_point)
+    assert np.abs(first.set_point - first.arm.vector(START)).max() > 0.1
+
+
 def test_servo_that_was_not_started_does_nothing():
     servo = Servo(arm(), config())
     command, record = servo.step(Observation(5, None, np.zeros(6)), DT_S)

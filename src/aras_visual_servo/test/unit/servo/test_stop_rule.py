@@ -168,8 +168,9 @@ def test_creep_leaves_an_error_of_creep_over_gain_and_compensation_none():
     assert abs(creeping(True)) < 1e-6
 
 
-def test_compensation_is_bounded_and_forgets():
-    compensation = CreepCompensation(2.0)
+@pytest.mark.parametrize("rate_per_s", [0.5, 2.0])
+def test_compensation_is_bounded_and_forgets(rate_per_s):
+    compensation = CreepCompensation(rate_per_s)
     for _ in range(200):  # a joint that sticks: told to go, and does not
         correction = compensation.correction(np.full(6, 0.01), np.eye(4), DT_S)
     np.testing.assert_allclose(correction, FASTEST)

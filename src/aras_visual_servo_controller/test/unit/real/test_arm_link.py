@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from toy_plant import arm, GOAL
 
-from aras_visual_servo import Command, make_form, ParameterError, RealSettings, SetPoint
+from aras_visual_servo import Command, RealSettings
 from aras_visual_servo_controller.real.arm_link import ArmLink
 
 MS = 1_000_000
@@ -296,45 +296,3 @@ def test_a_prediction_over_too_long_a_time_is_refused():
     (sight,) = bench.link.sights(bench.now_ns)
     assert "predicted over 0.360 s, allowed 0.3 s" in \
         bench.link.predict(sight, bench.now_ns, lambda q: q, lambda *_: None).refusal
-
-
-POINT = SetPoint(5 * MS, ("a", "b"), np.array([1.0, 2.0]), np.array([0.5, -0.5]), False)
-
-
-def messages(point=POINT, **settings):
-    return make_form(RealSettings.from_dict(settings)).messages(point)
-
-
-def test_positions_and_velocities_for_one_controller():
-    (message,) = messages(command="position", controller="/arm")
-    assert message == ("/arm/command", "std_msgs/Float64MultiArray", {"data": [1.0, 2.0]})
-    assert messages(command="velocity", controller="/arm")[0].fields == {"data": [0.5, -0.5]}
-
-
-def test_a_controller_for_every_joint():
-    found = messages(command="position", controller="", joint_controllers={"b": "/wrist"})
-    assert found == [("a_controller/command", "std_msgs/Float64", {"data": 1.0}),
-                     ("/wrist/command", "std_msgs/Float64", {"data": 2.0})]
-
-
-def test_a_trajectory_has_one_point_ahead():
-    (message,) = messages(command="trajectory", ahead_s=0.1)
-    assert message.topic == "arm_controller/command" and message.kind == "trajectory_msgs/JointTrajectory"
-    (point,) = message.fields["points"]
-    assert point["positions"] == pytest.approx([1.05, 1.95]) and point["time_from_start_s"] == 0.1
-    (point,) = messages(POINT._replace(resting=True))[0].fields["points"]
-    assert (point["positions"], point["velocities"]) == ([1.0, 2.0], [0.0, 0.0])
-
-
-@pytest.mark.parametrize("settings, fault", [
-    ({"command": "torque"}, "command: found torque, allowed one of position, trajectory, velocity"),
-    ({"command": "trajectory", "controller": ""}, "controller"),
-    ({"joint_controllers": {"gantry": "x"}}, "joint_controllers"),
-    ({"command_period_s": 0}, "command_period_s: found 0, allowed a finite number > 0"),
-    ({"workspace": {"lower_m": [0, 0, 1], "upper_m": [1, 1, 1]}}, "upper_m"),
-    ({"joint_speed": {"wheel": 1.0}}, "wheel"),
-    ({"speed": 1.0}, "speed"),
-])
-def test_bad_settings_are_named(settings, fault):
-    with pytest.raises(ParameterError, match=fault):
-        RealSettings.from_dict(settings, NAMES)

@@ -1,21 +1,17 @@
-"""Pose of a known target from its moments, and law pbvs on it: exact pictures, tilted poses, views that are no use."""
+"""Pose of a known target from its moments: exact pictures, tilted poses, views that are no use."""
 
 import numpy as np
 import pytest
 from toy_plant import Camera, OUTLINE
-from views import differences, exponential, look_at, plane_of, tilted_pose
+from views import differences, exponential, plane_of, tilted_pose
 
-from aras_visual_servo import DegenerateFeature, ParameterError, PlanarTarget, Reference
+from aras_visual_servo import DegenerateFeature, PlanarTarget
 from aras_visual_servo.features import interaction
 from aras_visual_servo.features.target import target_pose
 from aras_visual_servo.features.target.target_pose import measures_of
-from aras_visual_servo.laws.base import LawSetup, make_law
 from aras_visual_servo.spatial import rotation_vector
 
 SEEDS = (1, 2, 3, 4)
-POSE = ("tx", "ty", "tz", "rx", "ry", "rz")
-GAINS = (2.0,) * 6
-DT_S = 1.0 / 30.0
 ROUNDING = 1e-9   # of a least-squares problem of condition 1000
 DIFFERENCES = 1e-6  # see test_interaction.STEP, times the condition that normalising by the small area adds
 TARGET = PlanarTarget([OUTLINE])
@@ -73,6 +69,15 @@ def test_one_step_from_nearby_leaves_the_square_of_the_error():
     assert residual > 1e-4
 
 
+def test_following_arrives_from_one_image_to_the_next():
+    X = tilted_pose(1)
+    start = pose_of(X @ exponential([0.01, -0.01, 0.02, 0.03, -0.02, 0.05], 1.0))
+    found, residual, condition = TARGET.follow(start, TARGET.measured(look(X)))
+    np.testing.assert_allclose(found, pose_of(X), atol=1e-3)  # square of what was left before, times 100
+    assert residual < target_pose.MAX_FOUND and condition == pytest.approx(
+        np.linalg.cond(TARGET.predicted(pose_of(X))[1]), rel=0.1)
+
+
 def test_another_object_is_not_taken_for_the_target():
     bar = np.array([[-0.2, -0.01], [0.2, -0.01], [0.2, 0.01], [-0.2, 0.01]])
     with pytest.raises(DegenerateFeature, match="no pose of the known outline"):
@@ -89,62 +94,23 @@ def test_missing_moments_are_named():
     f.moment_names, f.m, f.mu = f.moment_names[:3], f.m[:3], f.mu[:3]
     with pytest.raises(DegenerateFeature, match="moment '.*' is missing"):
         measures_of(f)
+    empty = look(tilted_pose(1))
+    empty.m = [0.0] * len(empty.m)
+    with pytest.raises(DegenerateFeature, match="empty"):
+        measures_of(empty)
 
 
-# --- the law ---------------------------------------------------------------------------------------------------------
-
-
-def law_at(goal, **more):
-    law = make_law("pbvs", GAINS, LawSetup(POSE, target=TARGET, **more))
-    law.reset(Reference(np.zeros(6), view=look(goal), plane_C=plane_of(goal)))
-    return law
-
-
-def answer_to(law, goal, X, wrong=None):
-    X_CgC = np.linalg.inv(goal) @ X @ (np.eye(4) if wrong is None else wrong)
-    return law.step(look_at(look(X), DT_S, X_CgC=X_CgC))
-
-
-def step(law, goal, X, wrong=None):
-    return answer_to(law, goal, X, wrong).twist
-
-
-def test_the_camera_goes_straight_home_and_each_part_decays_at_its_gain():
-    goal = tilted_pose(1)
-    law, X = law_at(goal), goal @ exponential([0.05, -0.04, -0.06, 0.15, -0.1, 0.4], 1.0)
-    first = np.linalg.inv(goal) @ X
-    for _ in range(60):
-        X = X @ exponential(step(law, goal, X), DT_S)
-    last, decayed = np.linalg.inv(goal) @ X, np.exp(-2.0 * 60 * DT_S)
-    angle = rotation_vector(first[:3, :3])
-    np.testing.assert_allclose(rotation_vector(last[:3, :3]), decayed * angle, atol=1e-6)
-    off_line = np.cross(last[:3, 3], first[:3, 3]) / np.linalg.norm(first[:3, 3])
-    assert np.linalg.norm(off_line) < 1e-3  # the twist is held while the camera turns: second order in dt
-    assert np.linalg.norm(last[:3, 3]) == pytest.approx(decayed * np.linalg.norm(first[:3, 3]), abs=1e-3)
-
-
-def test_joints_that_are_a_little_wrong_do_not_matter():
-    goal = tilted_pose(1)
-    law, X = law_at(goal), goal @ exponential([0.05, -0.04, -0.06, 0.15, -0.1, 0.4], 1.0)
-    wrong = exponential([0.004, -0.003, 0.002, 0.01, -0.01, 0.01], 1.0)
-    for _ in range(400):
-        X = X @ exponential(step(law, goal, X, wrong), DT_S)
-    np.testing.assert_allclose(X, goal, atol=1e-9)
-
-
-def test_the_target_must_be_known():
-    with pytest.raises(ParameterError, match="target_model: found nothing"):
-        make_law("pbvs", GAINS, LawSetup(POSE))
-    with pytest.raises(ParameterError, match="teach the goal again"):
-        make_law("pbvs", GAINS, LawSetup(POSE, target=TARGET)).reset(np.zeros(6))
-
-
-def test_a_view_of_something_else_is_refused():
-    goal = tilted_pose(1)
-    law = law_at(goal)
-    bar = np.array([[-0.3, -0.004], [0.3, -0.004], [0.3, 0.004], [-0.3, 0.004]])
-    with pytest.raises(DegenerateFeature, match="the best pose leaves a residual"):
-        law.step(look_at(look(goal, bar), DT_S, X_CgC=np.eye(4)))
+@pytest.mark.parametrize("left, found", [(5e-4, True), (1.5e-3, False)])
+def test_the_best_guess_is_taken_if_it_explains_the_view_to_a_thousandth(left, found, monkeypatch):
+    f = look(tilted_pose(1))
+    guesses = list(target_pose._guesses([0.0, 0.0, 1.0], 0.6 * np.array([f.xg, f.yg, 1.0])))
+    monkeypatch.setattr(PlanarTarget, "improve", lambda self, X, measured: (
+        X, left + 1e-4 * np.abs(X - guesses[13]).max(), 1.0))
+    if found:
+        np.testing.assert_array_equal(TARGET.find(f, [0.0, 0.0, 1.0], steps=1), guesses[13])
+    else:
+        with pytest.raises(DegenerateFeature, match="no pose"):
+            TARGET.find(f, [0.0, 0.0, 1.0], steps=1)
 
 
 def test_guesses_face_the_camera_upright_and_tilted_to_four_sides_in_eight_turns():
