@@ -1,4 +1,4 @@
-"""Options of the servo in pairs: each pair arrives by the true camera pose, or is refused by name before anything moves."""
+"""Options of the servo in pairs: each pair arrives by the true camera pose, or is rejected by name before a motion."""
 
 import itertools
 
@@ -24,10 +24,11 @@ OPTIONS = {
     "track": {"servo.track": True, "servo.time_limit_s": 6.0},
 }
 #: Scenario -> (options that it is run without, because it has them or none of what they are about; options at a time).
-#: The scenarios stand for options too: points that see the tilt, a law that moves the joints, a target that moves and is
-#: followed with feed-forward, and eye-to-hand.
+#: The scenarios stand for options too: points that see the tilt, a law that moves the joints, a target that moves and
+#: is followed with feed-forward, and eye-to-hand.
 BASES = {"experiment_1": ((), 2), "six_dof_points": (("symmetric_target",), 2),
-         "six_dof_qp": (("symmetric_target",), 1), "moving_target": (("feed_forward", "track"), 1), "eye_to_hand": ((), 1)}
+         "six_dof_qp": (("symmetric_target",), 1), "moving_target": (("feed_forward", "track"), 1),
+         "eye_to_hand": ((), 1)}
 #: What is refused, by the key that the refusal names.
 REFUSED = {**{frozenset(("look_then_move", other)): key for other, key in (
     ("filter", "filter"), ("latency", "filter"), ("feed_forward", "feed_forward"), ("camera_limits", "limits"),

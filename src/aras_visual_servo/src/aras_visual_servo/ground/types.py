@@ -34,6 +34,7 @@ class Status(IntEnum):
     STOPPED = 8
     FAULT = 9
     STOPPED_BY_RULE = 10
+    OUT_OF_REACH = 12
 
 
 #: Statuses that end the servo phase; only a new start moves the arm again.
