@@ -26,7 +26,7 @@ WINDOW_S, CALM_WINDOW_S, LOOK_S = 2.0, 1.0, 0.25
 #: Drift (translation [m/s], rotation [rad/s]) below which the end may be reached, and below which the camera rests.
 DRIFT, RESTS = np.array([0.01, 0.015]), np.array([0.001, 0.002])
 #: The end is reached too where joints chatter for SLOW_S and the drift is less than this part of what is asked for.
-SLOW, SLOW_S = 0.05, 3.0
+SLOW, SLOW_S = 0.05, 12.0
 #: A commanded way above this that is longer than the drift goes to and fro [m/s, rad/s].
 SWINGS = np.array([0.01, 0.02])
 #: What is asked for at the end of the reach is this many times the drift, and at least LEAST [m/s, rad/s].

@@ -58,8 +58,8 @@ STILL = {"posture_gain_per_s": 0.0, "joint_limit_gain_per_s": 0.0}
 EVENTS = {
     "the gantry ends": (moved(1, 1.7), {}, "gantry"),
     "above the arm": (moved(2, 0.6), {}, "joint"),
-    "below the arm": (moved(2, -0.3), {"time_limit_s": 10.0}, "vz"),
-    "before the arm": (moved(0, -0.4), {"time_limit_s": 10.0}, "v"),
+    "below the arm": (moved(2, -0.3), {"time_limit_s": 14.0}, "vz"),
+    "before the arm": (moved(0, -0.4), {"time_limit_s": 14.0}, "v"),
     "no target": (unseen, {}, "view"),
     "no image": (blind, {}, "image"),
     "a law of no motion": (moved(0, 0.0), {"law": "asks_for_nothing", "null_space": STILL}, "law"),
@@ -83,7 +83,7 @@ def run_of(event, option):
     settings = {"thresholds": THRESHOLDS, "time_limit_s": 4.0, **settings, **OPTIONS[option]}
     bench = Bench(start=settings.pop("start", START), **settings)
     change(bench)
-    return bench, bench.run(400), word
+    return bench, bench.run(450), word
 
 
 def stands(record):
