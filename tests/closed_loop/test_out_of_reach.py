@@ -49,6 +49,9 @@ def named(text):
     ("experiment_1", [0.3, 0.0, 0.0], {"inverse.method": "plain"}),
     ("experiment_1", [0.3, 0.0, 0.0], {"inverse.at_limits": "saturate"}),
     ("experiment_1", [0.3, 0.0, 0.0], {"limits.joint_acceleration": dict.fromkeys(JOINTS, 3.0)}),
+    ("experiment_1", [0.25, 0.0, 0.0], {"filter.noise": 0.001}),
+    ("experiment_1", [0.25, 0.0, 0.0], {"feed_forward.part": 1.0}),
+    ("experiment_1", [0.25, 0.0, 0.0], {"limits.camera_speed_m_s": 0.15}),
     ("six_dof_points", [-0.3, 0.0, 0.0], {}), ("six_dof_points", [0.0, 0.0, 0.3], {}),
     ("six_dof_qp", [-0.3, 0.0, 0.0], {})])
 def test_the_arm_rests_and_names_the_direction(name, way, servo):

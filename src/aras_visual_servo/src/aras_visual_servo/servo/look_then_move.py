@@ -42,7 +42,9 @@ class LookThenMove(Stage):
             return tick.set(twist=np.zeros(6), applied=np.zeros(6), q_dot=np.zeros_like(tick.q), text="holding",
                             held="holding, every error is below its threshold")
         rule, target_C, applied, features = self._arrival.rule, None, tick.twist, tick.view.features
+        lacking = rule.lacking
         rule.clear()
+        rule.lacking = lacking  # what the time limit says
         if self._arrival.holds_tilt:
             target_C = features.xn, features.yn, features.an
         twist, manipulability, joint = self.plan(tick.stamp_ns, tick.q, tick.X_BC, tick.twist, target_C)
