@@ -3,9 +3,9 @@ import { button, el, isDark, notice } from "./dom.js";
 
 const WORDS = { IDLE: "idle", SERVOING: "servoing", CONVERGED: "converged", TARGET_LOST: "target lost", STALE_INPUT: "no input",
   JOINT_LIMIT: "joint limit", NEAR_SINGULARITY: "near singularity", TIMED_OUT: "timed out", STOPPED: "stopped", FAULT: "fault",
-  STOPPED_BY_RULE: "stopped by rule", SETTLED: "settled" };
+  STOPPED_BY_RULE: "stopped by rule", SETTLED: "settled", OUT_OF_REACH: "out of reach" };
 const KIND = { SERVOING: "busy", CONVERGED: "good", STOPPED_BY_RULE: "good", SETTLED: "warn", TARGET_LOST: "bad", STALE_INPUT: "bad", FAULT: "bad",
-  JOINT_LIMIT: "warn", NEAR_SINGULARITY: "warn", TIMED_OUT: "warn" };
+  JOINT_LIMIT: "warn", NEAR_SINGULARITY: "warn", OUT_OF_REACH: "warn", TIMED_OUT: "warn" };
 const PHASES = { to_goal: "driving to the goal", settle_goal: "settling at the goal", teach: "teaching", to_start: "driving to the start",
   settle_start: "settling at the start" };
 const SPEEDS = [[0.1, "0.1 ×"], [0.25, "0.25 ×"], [0.5, "0.5 ×"], [1, "1 ×"], [2, "2 ×"], [5, "5 ×"], [0, "as fast as possible"]];

@@ -19,6 +19,13 @@ LOST_PART, LOST_FLOOR = 0.1, 1e-3
 #: A joint moves at most so fast that it would reach its limit in this many periods and this time: the joints of an arm
 #: lag behind their set-points and overshoot them.
 LIMIT_HORIZON, LAG_S = 2.0, 0.1
+#: A joint nearer than this to the end of its way is at its limit [m, rad]. The others could do a twist when less than
+#: this part of it is left.
+AT_LIMIT, OTHERS_PART = 0.005, 0.5
+#: A direction with a smaller singular value is one that the arm cannot do.
+LOST_SIGMA = 0.1
+#: How readily rotation is given up for a direction that the arm cannot do, against 1 for translation.
+TURN_EASE = 1e-3
 #: The correction for the change of the Jacobian adds at most this part of the joint velocity.
 TURNING_PART = 0.25
 #: A velocity counts as fast from this part of the joint's limit on.
@@ -78,6 +85,7 @@ class ArmMotion:
     Attributes:
         lower, upper: (n,) limits that the arm keeps: those of the URDF, less the margin [m, rad].
         posture: (n,) joint positions that the spare motion returns to, or None.
+        has_ends: False for a camera that flies freely.  chatters: name of the joint that chatters, or None.
         optical_axis_B: (3,) direction to which the optical axis is held, or None.
     """
 
@@ -88,6 +96,7 @@ class ArmMotion:
         weights = [inverse.joint_weights.get(name, 1.0) for name in kinematics.joint_names]
         self._invert = TwistInverse(weights, inverse.length_m, inverse.singular_value_threshold, inverse.damping,
                                     inverse.method)
+        self._scale = np.array([1.0 / inverse.length_m] * 3 + [1.0] * 3)
         self._length_m, self._rows = inverse.length_m, list(range(6)) if sees_tilt else [0, 1, 2, 5]
         self._manipulability_gain = spare.manipulability_gain_per_s
         self._large_from = spare.large_from if spare.projection == "large" else None
@@ -99,6 +108,7 @@ class ArmMotion:
         self._before = np.zeros(len(kinematics.joint_names))
         # A free camera has no singularity: what goes to and fro there is the law's own twist.
         self._chatter = Chatter(kinematics.joint_names, kinematics.velocity) if kinematics.spare_motion else None
+        self.has_ends, self.chatters = self._chatter is not None, None  # type: bool, Optional[str]
         lower, upper = kinematics.lower, kinematics.upper
         self._wish = Wish(lower, upper, spare.posture_gain_per_s, spare.joint_limit_gain_per_s, spare.max_speed)
         self.lower, self.upper = lower + config.joint_limit_margin, upper - config.joint_limit_margin
@@ -159,7 +169,7 @@ class ArmMotion:
                        dt_s: float) -> Motion:
         """`Motion` of a twist V_C, (6,), held for dt_s at q, (n,); jacobian and inverse are those that `at` returns."""
         motion = self._joint_velocity(q, twist, jacobian, inverse, dt_s)
-        name = None if self._chatter is None else self._chatter.joint(motion.q_dot)
+        self.chatters = name = None if self._chatter is None else self._chatter.joint(motion.q_dot)
         if name is None or motion.status is not None:
             return motion
         return motion._replace(status=Status.NEAR_SINGULARITY,
@@ -202,12 +212,46 @@ class ArmMotion:
 
     def _wanted(self, q, twist, jacobian, inverse, dt_s):
         """(twist within the camera's limits, (n,) joint velocities for it, the factor that slowed all of them)."""
-        if self._limits.camera_speed_m_s < inf or self._limits.camera_turn_rad_s < inf:
-            speed, turn = float(twist[:3] @ twist[:3]) ** 0.5, float(twist[3:] @ twist[3:]) ** 0.5
-            twist = twist / max(1.0, speed / self._limits.camera_speed_m_s, turn / self._limits.camera_turn_rad_s)
+        twist = self.within_limits(twist)
         q_dot, factor = self._kinematics.held(inverse, jacobian, q, self.unlimited(q, twist, inverse), dt_s,
                                               TURNING_PART)
         return twist, q_dot, factor
+
+    def within_limits(self, twist: np.ndarray) -> np.ndarray:
+        """Returns a twist, (6,), shortened to the limits of the camera's speed."""
+        if self._limits.camera_speed_m_s < inf or self._limits.camera_turn_rad_s < inf:
+            speed, turn = float(twist[:3] @ twist[:3]) ** 0.5, float(twist[3:] @ twist[3:]) ** 0.5
+            twist = twist / max(1.0, speed / self._limits.camera_speed_m_s, turn / self._limits.camera_turn_rad_s)
+        return twist
+
+    def lost_directions(self, q: np.ndarray) -> np.ndarray:
+        """Returns the twists that the arm cannot do at q, (k, 6), orthonormal with linear parts over `length_m`."""
+        U, sigmas, _ = np.linalg.svd(self._scale[:, None] * self._kinematics.jacobian(q))
+        return U.T[np.append(sigmas, np.zeros(len(U) - len(sigmas))) < LOST_SIGMA]
+
+    def scaled(self, twist: np.ndarray) -> np.ndarray:
+        """Returns a twist, (6,), with its linear parts over `length_m`."""
+        return self._scale * twist
+
+    def without(self, twist: np.ndarray, directions: np.ndarray) -> np.ndarray:
+        """Returns the twist nearest to one, (6,), that has no part along `lost_directions`, (k, 6).
+
+        Translation is given up before rotation, which would take the target out of view.
+        """
+        ease = np.array([1.0] * 3 + [TURN_EASE] * 3)
+        parts = np.linalg.solve(directions * ease @ directions.T, directions @ (self._scale * twist))
+        return twist - ease * (directions.T @ parts) / self._scale
+
+    def others_could(self, q: np.ndarray, twist: np.ndarray, jacobian: np.ndarray, motion: Motion) -> bool:
+        """Returns whether joints that `at_limits: scale` stops could do most of a twist, (6,), without those at limits.
+
+        Args: motion: `Motion` of the twist.
+        """
+        if motion.status != Status.JOINT_LIMIT or self._others_go_on:
+            return False
+        free = (q - self.lower > AT_LIMIT) & (self.upper - q > AT_LIMIT)
+        left = twist - jacobian @ (free * self._invert(jacobian * free).joint_velocity(twist))
+        return float(np.linalg.norm(self._scale * left)) < OTHERS_PART * float(np.linalg.norm(self._scale * twist))
 
     def as_seen(self, q: np.ndarray, X_BC: np.ndarray, twist: np.ndarray, jacobian: np.ndarray, inverse: Any,
                 dt_s: float) -> Dict[str, Any]:
@@ -224,6 +268,7 @@ class ArmMotion:
     def told(self, q_dot: np.ndarray, jacobian: np.ndarray, status: Optional[Status], text: str) -> Motion:
         """`Motion` of joint velocities, (n,), that a law has chosen within the limits."""
         self._before = q_dot
+        self.chatters = None if self._chatter is None else self._chatter.joint(q_dot)
         return Motion(q_dot, jacobian @ q_dot, status, text)
 
     def _without_blocked(self, q, q_dot, joint, twist, jacobian, dt_s):

@@ -35,6 +35,7 @@ class Status(IntEnum):
     FAULT = 9
     STOPPED_BY_RULE = 10
     SETTLED = 11
+    OUT_OF_REACH = 12
 
 
 #: Statuses that end the servo phase; only a new start moves the arm again.

@@ -6,13 +6,17 @@ from typing import Any, Optional
 
 import numpy as np
 
-from ..ground.types import Status
+from ..ground.types import FINAL, Status
 from .arrival import Arrival
 from .feature_filter import FeatureFilter
 from .stage import Stage, Tick
 
 #: Without a hindrance for this long the arm counts as free again [s].
 FREE_S = 0.5
+#: Joints that are commanded no faster than this stand still [m/s, rad/s].
+STILL = 1e-6
+#: Text of an image at which a move is over and its joints come to rest.
+SETTLING = "settling"
 
 
 class Hindrance:
@@ -20,6 +24,18 @@ class Hindrance:
 
     def __init__(self) -> None:
         self._text, self._since_ns, self._last_ns = "", 0, 0
+
+    def note(self, tick: Tick) -> Tick:
+        """Notes what holds the arm back at an answered image. Returns the tick; a standing arm says why it stands."""
+        if tick.status in FINAL:
+            return tick
+        if not tick.held and _stands(tick):
+            tick.held = _why_still(tick)
+        if tick.held and tick.status == Status.SERVOING and _stands(tick) and tick.text.startswith("servoing"):
+            tick.text = f"standing still, {tick.held}"
+        if tick.held:
+            self.seen(tick.stamp_ns, tick.held)
+        return tick
 
     def _is_over(self, stamp_ns):
         return not self._text or stamp_ns - self._last_ns > 1e9 * FREE_S
@@ -36,6 +52,21 @@ class Hindrance:
             return ""
         return f"for the last {1e-9 * (stamp_ns - self._since_ns):.1f} s the arm could not do what was asked " \
                f"({self._text})"
+
+
+def _stands(tick):
+    return not any(speed > STILL or speed < -STILL for speed in tick.q_dot.tolist())
+
+
+def _why_still(tick):
+    """Why the joints stand still at an image at which no stage has said that it holds them; "" if that is usual."""
+    if tick.text == SETTLING:
+        return ""
+    if tick.rests or tick.status != Status.SERVOING or not tick.text.startswith("servoing"):
+        return tick.text
+    if not tick.answer.twist.any():
+        return "the law asks for no motion"
+    return "no motion is left of what the law asks for" if not tick.twist.any() else "the joints get no velocity for it"
 
 
 @dataclass(eq=False)

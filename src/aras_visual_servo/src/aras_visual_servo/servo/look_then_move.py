@@ -12,7 +12,7 @@ from ..arm.motion import ArmMotion
 from ..arm.trajectory import JointTrajectory
 from ..ground.types import Status
 from .arrival import Arrival
-from .gates import Hindrance
+from .gates import FREE_S, SETTLING
 from .stage import Stage, Tick
 
 #: A look's displacement is followed in this many steps (the arm's Jacobian turns on the way), and this part of the tilt
@@ -27,11 +27,11 @@ class LookThenMove(Stage):
     Attributes: set_point: (n,) joint set-points as commanded last, None until they are known.
     """
 
-    def __init__(self, kinematics: RobotKinematics, arm: ArmMotion, config: Any, arrival: Arrival, hindrance: Hindrance,
+    def __init__(self, kinematics: RobotKinematics, arm: ArmMotion, config: Any, arrival: Arrival,
                  set_point: Optional[np.ndarray] = None) -> None:
         """Args: config: `ServoSettings`.  set_point: (n,) joint set-points commanded last; None: as measured first."""
         self._kinematics, self._arm, self._config = kinematics, arm, config
-        self._arrival, self._hindrance, self._begin_ns, self._followed_s = arrival, hindrance, 0, 0.0
+        self._arrival, self._begin_ns, self._followed_s, self._held = arrival, 0, 0.0, ""
         self.set_point: Any = set_point
         self._move: Any = None
         self._last: Any = None
@@ -39,16 +39,19 @@ class LookThenMove(Stage):
     def apply(self, tick: Tick) -> Tick:
         """Returns the tick with the begin of the move that this look asks for."""
         if self._arrival.below:
-            return tick.set(twist=np.zeros(6), applied=np.zeros(6), q_dot=np.zeros_like(tick.q), text="holding")
+            return tick.set(twist=np.zeros(6), applied=np.zeros(6), q_dot=np.zeros_like(tick.q), text="holding",
+                            held="holding, every error is below its threshold")
         rule, target_C, applied, features = self._arrival.rule, None, tick.twist, tick.view.features
+        lacking = rule.lacking
         rule.clear()
+        rule.lacking = lacking  # what the time limit says
         if self._arrival.holds_tilt:
             target_C = features.xn, features.yn, features.an
         twist, manipulability, joint = self.plan(tick.stamp_ns, tick.q, tick.X_BC, tick.twist, target_C)
         tick = tick.set(twist=twist, applied=applied, manipulability=manipulability, judged=rule.judged)
+        self._held = "" if joint is None else f"joint '{joint}' at its limit"
         if joint is not None:
-            tick = tick.set(status=Status.JOINT_LIMIT, text=f"joint '{joint}' at its limit")
-            self._hindrance.seen(tick.stamp_ns, tick.text)
+            tick = tick.set(status=Status.JOINT_LIMIT, text=self._held)
         return self.followed(tick)
 
     def followed(self, tick: Tick) -> Tick:
@@ -58,7 +61,11 @@ class LookThenMove(Stage):
         self.set_point, q_dot = self._move.step(t_s, tick.dt_s)
         if tick.status not in _MOVING:
             tick = tick.set(status=Status.SERVOING, text="moving")
-        return tick.set(q_dot=q_dot, set_point=self.set_point)
+        over_s = t_s - self._move.duration_s
+        if over_s >= 0.0 and tick.status == Status.SERVOING:
+            tick.text = SETTLING
+        late = over_s > FREE_S and "the joints do not settle"
+        return tick.set(q_dot=q_dot, set_point=self.set_point, held=self._held or late or "")
 
     def rest(self, tick: Tick) -> Tick:
         """Breaks the move off where it is, and follows what moves the arm while the target is lost."""

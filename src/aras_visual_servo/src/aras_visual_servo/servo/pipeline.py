@@ -13,6 +13,7 @@ from .gates import Hindrance, Stale, TimeLimit
 from .goal import Goal
 from .look_then_move import LookThenMove, UnderWay
 from .lost_target import AfterLoss, LostTarget
+from .out_of_reach import OutOfReach
 from .settings import ServoSettings
 from .stage import STAGES, SixNumbers, Stage
 from .stages import Calm, CreepCompensation, JointPlace, JointVelocity, LawStage, SmoothStart, Tilt
@@ -20,16 +21,18 @@ from .visibility import Visibility
 
 
 def make_stages(goal: Goal, arm: ArmMotion, config: ServoSettings, start_ns: int,
-                set_point: Optional[np.ndarray] = None) -> Tuple[List[Stage], LostTarget]:
-    """Returns new stages, which have no past, and the one that recovers a lost target. Raises ParameterError.
+                set_point: Optional[np.ndarray] = None) -> Tuple[List[Stage], LostTarget, Hindrance]:
+    """Returns new stages, which have no past, the one that recovers a lost target, and what notes standstills.
 
     Args: start_ns: start of the time limit.  set_point: (n,) joint set-points commanded last, None: as measured.
+    Raises ParameterError.
     """
     law, hindrance, kinematics = make_law(config.law, config.gains_per_s, config), Hindrance(), goal.kinematics
     tracker: Any = config.filter and FeatureFilter(config.filter, goal.features, config.symmetric_target)
     lost = LostTarget(kinematics, arm, config.on_lost, config.lost_target, goal.source, tracker)
     arrival = Arrival(goal, arm, config, tracker)
-    moves = LookThenMove(kinematics, arm, config, arrival, hindrance, set_point)
+    swings = law.moves_joints or bool(config.limits.joint_acceleration)
+    moves = LookThenMove(kinematics, arm, config, arrival, set_point)
     looks, calms = config.mode == "look_then_move", config.creep_rate_per_s > 0.0 and not config.follows
     gates: List[Any] = [
         TimeLimit(config, start_ns, arrival, hindrance),
@@ -51,6 +54,6 @@ def make_stages(goal: Goal, arm: ArmMotion, config: ServoSettings, start_ns: int
         config.visibility and Visibility(config.visibility),
         calms and CreepCompensation(config.creep_rate_per_s, arrival.rule),
         *(stage for name in config.stages for stage in (STAGES[name](kinematics, config), SixNumbers(name))),
-        JointVelocity(arm, law, tracker, hindrance),
+        JointVelocity(arm, law, tracker, OutOfReach(arm, arrival.rule, swings)),
     ]
-    return list(filter(None, gates + twist + last)), lost
+    return list(filter(None, gates + twist + last)), lost, hindrance

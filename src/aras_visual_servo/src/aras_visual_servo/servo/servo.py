@@ -47,7 +47,7 @@ class Servo:
         self._arm = ArmMotion(kinematics, self.config, self.goal.features.sees_tilt)
         nothing, self._nans = (nan,) * len(self.goal.features), np.full(len(kinematics.joint_names), nan)
         self._no_answer, self._start_ns = Answer(np.zeros(6), nothing, nothing, nan, False), 0
-        self._stages, self._lost = make_stages(self.goal, self._arm, self.config, 0)
+        self._stages, self._lost, self._hindrance = make_stages(self.goal, self._arm, self.config, 0)
         self._tick = Tick(0, 0.0, None, self._nans, self._no_answer)
 
     @property
@@ -133,7 +133,8 @@ class Servo:
         if self.reference is None:
             raise ParameterError("servo: no reference, teach one first")
         self._start_ns, set_point = stamp_ns, None if set_point is None else self._kinematics.vector(set_point)
-        self._stages, self._lost = make_stages(self.goal, self._arm, self.config, stamp_ns, set_point)
+        made = make_stages(self.goal, self._arm, self.config, stamp_ns, set_point)
+        self._stages, self._lost, self._hindrance = made
         for stage in self._stages:
             stage.set_reference(self.reference)
         self._arm.rest()
@@ -186,7 +187,7 @@ class Servo:
         return self._answer(tick)
 
     def _answer(self, tick: Tick) -> Tuple[Command, ServoRecord]:
-        self._tick, by_name = tick, self._kinematics.by_name
+        self._tick, by_name = self._hindrance.note(tick), self._kinematics.by_name
         position = {} if tick.set_point is None else by_name(tick.set_point)
         return Command(tick.stamp_ns, position, by_name(tick.q_dot)), self._record(tick)
 

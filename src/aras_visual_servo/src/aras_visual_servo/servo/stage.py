@@ -47,6 +47,7 @@ class Tick:
         judged: (tilt_rad, position_m, rotation_rad) as the stop rule judges them; NaN where unknown.
         applied: (6,) V_C that the arm was given at the last image; None: it was at rest.
         status, text: `Status`, and why.
+        held: what keeps the arm from the motion that is asked for at this image, in words; "" if nothing does.
         q_dot: (n,) joint velocities of the command [m/s, rad/s]; None: not decided, the next stage goes on.
         set_point: (n,) joint positions of the command, None: none.  rests: the arm is stopped at this image.
     """
@@ -67,6 +68,7 @@ class Tick:
     applied: Optional[np.ndarray] = None
     status: Status = Status.IDLE
     text: str = ""
+    held: str = ""
     q_dot: np.ndarray = LATER
     set_point: Optional[np.ndarray] = None
     rests: bool = False
@@ -153,4 +155,7 @@ class SixNumbers(Stage):
 
     def apply(self, tick: Tick) -> Tick:
         """Returns the tick, its twist an array. Raises ParameterError: it is not six finite numbers."""
-        return tick.set(twist=six_numbers(tick.twist))
+        tick.twist = six_numbers(tick.twist)
+        if not tick.held and not tick.twist.any() and tick.answer.twist.any():
+            tick.held = f"stage '{self.name}' asks for no motion"
+        return tick

@@ -12,8 +12,8 @@ from ..ground.types import Reference
 from ..laws.base import Law
 from ..laws.look import Arm, Look
 from .feature_filter import FeatureFilter
-from .gates import Hindrance
 from .goal import Goal
+from .out_of_reach import OutOfReach
 from .stage import Stage, Tick, six_numbers
 from .stop_rule import CALM_PER_S, StopRule
 
@@ -88,7 +88,7 @@ class Calm(Stage):
         if not rule.close:
             return tick
         if resting:
-            tick.set(twist=np.zeros(6), text="resting")
+            tick.set(twist=np.zeros(6), text="resting", held="resting, nothing is left to correct")
         calm = rule.calm(min(tick.answer.gains_per_s, default=CALM_PER_S))
         if calm != 1.0:
             tick.twist = tick.twist * calm
@@ -182,7 +182,7 @@ class JointVelocity(Stage):
     arm: ArmMotion
     law: Law
     tracker: Optional[FeatureFilter]
-    hindrance: Hindrance
+    reach: OutOfReach
 
     @property
     def title(self) -> str:
@@ -190,18 +190,26 @@ class JointVelocity(Stage):
         return f"law '{self.law.name}'"
 
     def apply(self, tick: Tick) -> Tick:
-        law, twist = self.law, tick.twist
-        if law.moves_joints:
+        law, asked, twist = self.law, tick.twist, self.reach.left(tick.twist)
+        resting = self.reach.held(tick)
+        if resting is not None:
+            motion = resting
+        elif law.moves_joints:
             arm = Arm(**self.arm.as_seen(tick.q, tick.X_BC, twist, tick.jacobian, tick.inverse, tick.dt_s))
             joints = law.joint_velocity(tick.view, arm, twist)
             motion = self.arm.told(joints.q_dot, tick.jacobian, joints.status, joints.text)
         else:
             motion = self.arm.joint_velocity(tick.q, twist, tick.jacobian, tick.inverse, tick.dt_s)
+        motion = self.reach.told(asked, twist, motion)
+        self.reach.watch(tick, asked, motion)
         if motion.status is not None:
-            tick.status = motion.status
-            self.hindrance.seen(tick.stamp_ns, motion.text)
+            tick.status, tick.held = motion.status, motion.text
         if self.tracker is not None:
             self.tracker.commanded(tick.stamp_ns, motion.twist)
         tick.q_dot, tick.twist, tick.applied = motion.q_dot, motion.twist, motion.twist
         tick.text = motion.text or tick.text
+        return tick
+
+    def rest(self, tick: Tick) -> Tick:
+        self.reach.clear()
         return tick

@@ -47,7 +47,7 @@ class Visibility(Stage):
         if tick.features is None:
             return tick
         twist, bent = keep_in_view(self.config, tick.features, tick.twist)
-        return tick.set(twist=twist, text="servoing, kept in view") if bent else tick
+        return tick.set(twist=twist, text="servoing, kept in view", held="kept in view") if bent else tick
 
 
 def keep_in_view(config: VisibilitySettings, features: Any, twist: np.ndarray) -> Tuple[np.ndarray, bool]:

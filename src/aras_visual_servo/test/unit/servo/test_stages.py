@@ -95,7 +95,7 @@ def test_the_gains_used_come_with_the_answer_and_a_list_is_a_twist():
 
 
 def test_the_set_points_follow_an_arm_that_moves_while_the_target_is_lost():
-    moves = LookThenMove(arm(), None, None, None, None, np.zeros(6))
+    moves = LookThenMove(arm(), None, None, None, np.zeros(6))
     moves.rest(tick().rest(avs.Status.TARGET_LOST, "").set(q_dot=np.arange(6.0)))
     np.testing.assert_allclose(moves.set_point, DT_S * np.arange(6.0))
 

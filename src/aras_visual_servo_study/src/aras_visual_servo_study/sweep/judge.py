@@ -62,7 +62,7 @@ def _reason(record, judgement, success):
         part = status[:-1][record.t_s[rows[:-1]] >= record.t_s[rows[-1]] - LAST_PART_S]
         counts = np.bincount(part) if len(part) else np.zeros(1)
         names = {Status.JOINT_LIMIT: ", at a joint limit", Status.NEAR_SINGULARITY: ", at a singularity",
-                 Status.TARGET_LOST: ", target lost"}
+                 Status.TARGET_LOST: ", target lost", Status.OUT_OF_REACH: ", out of reach"}
         lacking = judgement.reason.partition(": ")[2].split(", ")
         return "timed out" + names.get(int(np.argmax(counts)), ", tilt" if lacking[0] == "tilt" else "")
     return last.name.lower().replace("_", " ")
