@@ -5,6 +5,7 @@
 #include <aras_visual_servo_common/increasing_root.hpp>
 #include <aras_visual_servo_common/text.hpp>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <map>
 
@@ -283,8 +284,9 @@ CameraIntrinsics intrinsicsOf(const CameraInfoConfig& info) {
     const int whole = *size, pixels = std::max(binning, 1);
     if (extent == 0) extent = whole;
     if (pixels == 1 && offset == 0 && extent == whole) return;
-    if (offset + extent > whole)
-      faults.add("camera_info.roi." + axis + "_offset + " + side, std::to_string(offset + extent),
+    const std::int64_t end = std::int64_t{offset} + extent;
+    if (end > whole)
+      faults.add("camera_info.roi." + axis + "_offset + " + side, std::to_string(end),
                  "<= camera_info." + side + ", " + std::to_string(whole));
     if (!(*centre > -0.5 && *centre < whole - 0.5))
       faults.add("camera_info." + side,

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "aras_visual_servo_camera/config/sections.hpp"
 #include "aras_visual_servo_camera/image/pixel_map.hpp"
 #include "text_of.hpp"
 
@@ -304,6 +305,13 @@ TEST(CameraInfo, ARegionOutsideTheSensorAndABinnedKOfAnotherSizeAreRefused) {
   EXPECT_NE(faults(", roi: {y_offset: 1}").find("camera_info.roi.y_offset"), std::string::npos);
   EXPECT_NE(faults(", binning_x: 2561").find("camera_info.binning_x"), std::string::npos);
   EXPECT_NE(faults(", roi: {x: 3}").find("camera_info.roi.x"), std::string::npos);
+  CameraInfoConfig huge;  // as a message may have it, which no schema has checked
+  huge.width = 640;
+  huge.height = 480;
+  huge.K = {500, 0, 320, 0, 500, 240, 0, 0, 1};
+  huge.roi.x_offset = huge.roi.width = 1 << 30;
+  EXPECT_NE(testing::textOf<ParameterError>([&] { intrinsicsOf(huge); }).find("camera_info.roi.x_offset"),
+            std::string::npos);
   const std::string binned = testing::textOf<ParameterError>([] {
     readCameraInfo(
         YAML::Load("{width: 640, height: 480, K: [2000, 0, 1279.5, 0, 2000, 959.5, 0, 0, 1], D: [], "
