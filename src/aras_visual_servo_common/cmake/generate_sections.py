@@ -180,7 +180,7 @@ class Generator:
 
     def __init__(self, project: str, sections: Sections) -> None:
         self.project, self.sections, self.done = project, sections, {}
-        self.lines, self.words, self.of_section = [], [], []
+        self.lines, self.words, self.variants, self.of_section = [], [], [], []
         for name, section in sections.raw.items():
             if self._is_struct(section):
                 struct = self._struct(name, section)
@@ -198,6 +198,8 @@ class Generator:
         kind = schema.get("type")
         if self._is_struct(schema):
             return self._struct(key, schema)
+        if any("properties" in one for one in schema.get("anyOf", ())):
+            return self._variant(key, schema["anyOf"])
         if "enum" in schema:
             return self._enum(schema)
         if "const" in schema:
@@ -209,6 +211,17 @@ class Generator:
         if kind == "object" and isinstance(schema["additionalProperties"], dict):
             return f"std::map<std::string, {self.type_of(key, schema['additionalProperties'])}>"
         return NAMES.get(kind, "YAML::Node")
+
+    def _variant(self, key, kinds):
+        """A value that is a map, or of one other type."""
+        other, struct = sorted(kinds, key=self._is_struct) if len(kinds) == 2 else (kinds[0], {})
+        if self._is_struct(other) or not self._is_struct(struct):
+            sys.exit(f"{self.project}: {key}: found anyOf with a map, allowed one map and one other type")
+        types = [self.type_of(key, one) for one in (other, struct)]
+        whole = tuple(one if one in NAMES.values() or "::" in one else f"{self.project}::{one}" for one in types)
+        if whole not in self.variants:
+            self.variants.append(whole)
+        return f"std::variant<{', '.join(types)}>"
 
     def _array(self, key, schema):
         entry, size = self.type_of(key, schema["items"]), schema.get("maxItems")
@@ -288,7 +301,7 @@ class Generator:
 
     def header(self) -> str:
         """Returns the text of the header."""
-        standard = ("array", "cstdint", "map", "optional", "string", "vector")
+        standard = ("array", "cstdint", "map", "optional", "string", *["variant"] * bool(self.variants), "vector")
         lines = ["// Generated from the folder schema: do not edit.", "#pragma once", "", "#include <yaml-cpp/yaml.h>",
                  "", "#include <Eigen/Core>",
                  "#include <aras_visual_servo_common/read_section.hpp>",
@@ -296,13 +309,20 @@ class Generator:
                  f"namespace {self.project} {{", "", "/** Returns the sections of this package. */",
                  "const aras_visual_servo_common::SchemaFolder& schemaSections();", "", *self.lines,
                  f"}}  // namespace {self.project}", ""]
-        if self.words:
+        if self.words or self.variants:
             lines += ["namespace aras_visual_servo_common {"]
             for name, words in self.words:
                 whole = f"{self.project}::{name}"
                 lines += ["template <>", f"struct YamlValue<{whole}> : YamlScalar {{",
                           f"  static void read(const YAML::Node& value, const Schema*, {whole}& word) {{",
                           f"    readWord(value, {{{', '.join(map(json.dumps, words))}}}, word);", "  }", "};"]
+            for other, struct in self.variants:
+                name = f"std::variant<{other}, {struct}>"
+                reader = "YamlValue<{}>::read(value, schema, found.emplace<{}>());"
+                lines += ["template <>", f"struct YamlValue<{name}> {{", "  static constexpr bool kHasParts = true;",
+                          f"  static void read(const YAML::Node& value, const Schema* schema, {name}& found) {{",
+                          "    if (value.IsMap()) return " + reader.format(struct, 1),
+                          "    " + reader.format(other, 0), "  }", "};"]
             lines += ["}  // namespace aras_visual_servo_common", ""]
         return "\n".join(lines)
 

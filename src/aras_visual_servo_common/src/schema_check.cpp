@@ -258,7 +258,12 @@ void addAlternativesFault(const YAML::Node& value, const std::vector<SchemaPtr>&
   } else if (value.IsMap() && !tellingKey(alternatives).empty()) {
     addTellingFault(value, tellingKey(alternatives), alternatives, where, findings);
   } else {
-    findings.add(value, where, [&] { return shown(value) + ", allowed " + joined(textsOf(alternatives), " or "); });
+    findings.add(value, where, [&] {
+      std::vector<std::string> words;
+      for (const SchemaPtr& each : alternatives)
+        for (const std::string& word : wordsOf(each->choices)) words.push_back(word);
+      return shown(value) + ", allowed " + joined(textsOf(alternatives), " or ") + didYouMean(nameIn(value), words);
+    });
   }
 }
 

@@ -56,6 +56,14 @@ void bindAllFeatures(py::module_& module) {
   }
 }
 
+/** The intrinsics in a dictionary, with a warning where the lens folds inside the image. */
+CameraIntrinsics intrinsicsFrom(const py::dict& camera_info) {
+  const CameraIntrinsics found = readCameraInfo(aras_visual_servo_common::yamlFromPython(camera_info, "camera_info"));
+  const std::string warning = found.foldWarning();
+  if (!warning.empty() && PyErr_WarnEx(PyExc_UserWarning, warning.c_str(), 1) != 0) throw py::error_already_set();
+  return found;
+}
+
 /** An extractor from the dictionaries of a camera_info and of a section of a scenario.
  *  @throws ParameterError  every fault of both, one per line */
 template <typename Extractor, typename Settings>
@@ -65,7 +73,7 @@ std::unique_ptr<Extractor> makeExtractor(const py::dict& camera_info, const py::
   aras_visual_servo_common::FaultList faults;
   std::optional<CameraIntrinsics> intrinsics;
   std::optional<Settings> settings;
-  faults.collect([&] { intrinsics = readCameraInfo(yamlFromPython(camera_info, "camera_info")); });
+  faults.collect([&] { intrinsics = intrinsicsFrom(camera_info); });
   faults.collect([&] { settings = read(yamlFromPython(config, section)); });
   faults.throwIfAny();
   return std::make_unique<Extractor>(*intrinsics, *settings);
@@ -88,7 +96,9 @@ py::class_<Extractor> bindExtractor(py::module_& module, const char* name, const
     config: the section `)" + section +
                                "` of a scenario, see schema/" + file + R"(.yaml of this package.
 Raises:
-    ParameterError: every fault of both, one per line.)";
+    ParameterError: every fault of both, one per line.
+Warns:
+    UserWarning: the lens is not one-to-one inside the image; from which radius on.)";
   const std::string process_doc =
       docs.process + R"(
 
@@ -113,9 +123,7 @@ Args:
       .def("clear_reference", &Extractor::clearReference)
       .def(
           "set_camera_info",
-          [](Extractor& self, const py::dict& camera_info) {
-            self.setIntrinsics(readCameraInfo(aras_visual_servo_common::yamlFromPython(camera_info, "camera_info")));
-          },
+          [](Extractor& self, const py::dict& camera_info) { self.setIntrinsics(intrinsicsFrom(camera_info)); },
           py::arg("camera_info"),
           R"(Take a camera with another lens, zoom or size, as after autofocus. The reference stays.
 

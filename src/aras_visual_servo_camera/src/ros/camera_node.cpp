@@ -78,7 +78,8 @@ void Throttle::error(const std::string& text) {
 
 CameraNode::CameraNode(ros::NodeHandle node, const ros::NodeHandle& private_node)
     : config_(readParameters(node, private_node)),
-      pairs_(ros::Duration(config_.camera_info_slop_s), [this](const auto& image, const auto& info) { onPair(image, info); }) {
+      pairs_(ros::Duration(config_.camera_info_slop_s),
+             [this](const auto& image, const auto& info) { onPair(image, info); }) {
   features_pub_ = node.advertise<aras_visual_servo_msgs::MomentFeatures>("camera/features", kFeatureQueue);
   if (config_.photometric)
     photometric_pub_ = node.advertise<aras_visual_servo_msgs::PhotometricFeatures>("camera/photometric", kQueue);
@@ -125,10 +126,9 @@ void CameraNode::reportUnpaired(const ros::WallTimerEvent&) {
   const std::string remedy =
       " (allowed are stamps up to vision.camera_info_slop_s apart, " + numberText(config_.camera_info_slop_s) + " s)";
   if (counts.images > 0 && counts.pairs == 0) {
-    throttle_.error(counts.infos == 0
-                        ? "no features: images arrive on " + image_sub_.getTopic() + ", but no intrinsics on " +
-                              info_sub_.getTopic()
-                        : "no features: no camera_info carries the stamp of an image" + remedy);
+    throttle_.error(counts.infos == 0 ? "no features: images arrive on " + image_sub_.getTopic() +
+                                            ", but no intrinsics on " + info_sub_.getTopic()
+                                      : "no features: no camera_info carries the stamp of an image" + remedy);
   } else if (counts.lost > 0) {
     throttle_.error("images and camera_info pair only in part: of " + std::to_string(counts.images) + " images and " +
                     std::to_string(counts.infos) + " camera_infos in " + std::to_string(quiet_reports_ * 2) + " s, " +
@@ -141,6 +141,8 @@ void CameraNode::reportUnpaired(const ros::WallTimerEvent&) {
 
 void CameraNode::useIntrinsics(const CameraInfo& info) {
   const CameraIntrinsics intrinsics = toIntrinsics(info);
+  const bool known = extractor_ && extractor_->intrinsics() == intrinsics;
+  if (!known && !intrinsics.foldWarning().empty()) ROS_WARN_STREAM("camera_node: " << intrinsics.foldWarning());
   useIn(intrinsics, config_, &extractor_);
   if (config_.photometric) useIn(intrinsics, *config_.photometric, &photometric_);
   if (config_.matches) useIn(intrinsics, *config_.matches, &matches_);
@@ -239,7 +241,7 @@ void CameraNode::setReference(const aras_visual_servo_msgs::SetReference::Reques
       extractor_->clearReference();  // of another view
       response->message = std::string("without moments: ") + error.what();
     }
-  } catch (const ArasError&) {
+  } catch (...) {
     for (const auto& back : undo) back();
     throw;
   }

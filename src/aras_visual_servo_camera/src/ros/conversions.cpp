@@ -47,7 +47,7 @@ CameraIntrinsics toIntrinsics(const sensor_msgs::CameraInfo& info) {
 ImageView toView(const sensor_msgs::Image& image) {
   const PixelFormat format = formatNamed(image.encoding);
   requireBytes("image", image, bytesOf(format));
-  return {image.data.data(), static_cast<int>(image.width), static_cast<int>(image.height), image.step, format,
+  return {image.data.data(),      static_cast<int>(image.width), static_cast<int>(image.height), image.step, format,
           image.is_bigendian != 0};
 }
 

@@ -45,9 +45,8 @@ void InfoPairing::look() {
     const auto distance = [&](const Info& info) {
       return info->header.stamp < stamp ? stamp - info->header.stamp : info->header.stamp - stamp;
     };
-    const auto nearest = std::min_element(infos_.begin(), infos_.end(), [&](const Info& a, const Info& b) {
-      return distance(a) < distance(b);
-    });
+    const auto nearest = std::min_element(infos_.begin(), infos_.end(),
+                                          [&](const Info& a, const Info& b) { return distance(a) < distance(b); });
     const Info info = *nearest;
     if (distance(info) <= slop_) {
       infos_.erase(infos_.begin(), nearest);  // the pair's own may be the nearest of the next image, too

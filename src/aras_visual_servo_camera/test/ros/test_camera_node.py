@@ -29,7 +29,8 @@ def image_message(stamp, u0=50, encoding="mono8", rows=20, upper_byte_first=Fals
     pixels = np.full((HEIGHT, WIDTH), 230, np.uint8)
     for row in range(rows):  # an asymmetric staircase
         pixels[40 + row, u0 : u0 + 2 * (row + 1)] = 20
-    channels = {"rgb8": 3, "bgr8": 3, "8UC3": 3, "rgba8": 4, "bgra8": 4, "rgb16": 3, "bgr16": 3, "rgba16": 4}.get(encoding, 1)
+    channels = {"rgb8": 3, "bgr8": 3, "8UC3": 3, "rgba8": 4, "bgra8": 4, "rgb16": 3, "bgr16": 3,
+                "rgba16": 4}.get(encoding, 1)
     if "16" in encoding:
         pixels = np.uint16(257) * pixels
         pixels = pixels.byteswap() if upper_byte_first else pixels
@@ -129,7 +130,8 @@ class CameraNodeTest(unittest.TestCase):
         self.expect_only_this_pair()
 
     def test_all_encodings_give_the_same_moments(self):
-        encodings = ("mono8", "rgb8", "bgr8", "rgba8", "bgra8", "8UC1", "8UC3", "mono16", "16UC1", "rgb16", "bgr16", "rgba16")
+        encodings = ("mono8", "rgb8", "bgr8", "rgba8", "bgra8", "8UC1", "8UC3", "mono16", "16UC1", "rgb16", "bgr16",
+                     "rgba16")
         for encoding in encodings:
             self.publish_pair(encoding=encoding)
         self.publish_pair(encoding="mono16", upper_byte_first=True)

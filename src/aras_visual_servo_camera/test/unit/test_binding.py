@@ -204,7 +204,8 @@ def test_uint16_of_fewer_bits_shows_the_target(bits):
     extractor = camera.MomentExtractor(INFO, {"object": "dark", "segmentation": "otsu"})
     features = extractor.process(np.round(image_with_wedge() * ((2**bits - 1) / 255.0)).astype(np.uint16))
     assert features.valid and extractor.white == 2**bits - 1
-    assert features.m == camera.MomentExtractor(INFO, {"object": "dark", "segmentation": "otsu"}).process(image_with_wedge()).m
+    of_bytes = camera.MomentExtractor(INFO, {"object": "dark", "segmentation": "otsu"})
+    assert features.m == of_bytes.process(image_with_wedge()).m
 
 
 def test_the_libraries_of_the_tag_detector_are_loaded_for_those_who_look_for_a_tag():
@@ -248,3 +249,42 @@ def test_image_info_is_that_of_the_images():
     assert info["K"] == pytest.approx([390.1, 0, 159.5, 0, 390.1, 119.5, 0, 0, 1])
     assert "roi" not in info and "binning_x" not in info and sensor["roi"] == roi
     assert camera.image_info(info) == info
+
+
+COLOUR = {"object": {"hue_deg": [340, 20]}, "segmentation": "coverage"}
+
+
+def test_an_object_is_found_by_its_hue_where_its_grey_is_that_of_the_background():
+    inside = image_with_wedge() == 20
+    rgb = np.where(inside[..., None], np.uint8([200, 0, 0]), np.uint8([0, 102, 0]))
+    assert not camera.MomentExtractor(INFO, VISION).process(rgb).target_visible
+    features = camera.MomentExtractor(INFO, COLOUR).process(rgb)
+    assert features.valid
+    assert features.m == pytest.approx(camera.MomentExtractor(INFO, VISION).process(image_with_wedge()).m, rel=ROUNDING)
+    green = {"object": {"hue_deg": [90, 150], "saturation": [0.5, 1]}, "segmentation": "otsu"}
+    assert camera.MomentExtractor(INFO, green).process(rgb[..., [1, 0, 2]].copy()).area == pytest.approx(features.area)
+    assert not camera.MomentExtractor(INFO, {**COLOUR, "object": {"hue_deg": [200, 260]}}).process(rgb).target_visible
+
+
+@pytest.mark.parametrize("dtype, name", [(np.uint8, "mono8"), (np.uint16, "mono16")])
+def test_a_mono_image_has_no_hue(dtype, name):
+    with pytest.raises(camera.ShapeError, match=f"{name}.*vision.object"):
+        camera.MomentExtractor(INFO, COLOUR).process(image_with_wedge().astype(dtype))
+
+
+def test_faults_of_a_colour_are_listed():
+    with pytest.raises(camera.ParameterError) as error:
+        camera.MomentExtractor(INFO, {**COLOUR, "object": {"hue_deg": [20, 20], "hue": 1}, "threshold": 9})
+    for key in ("vision.object.hue_deg", "vision.object.hue:", "vision.threshold"):
+        assert key in str(error.value)
+
+
+@pytest.mark.parametrize("extractor, config", [(camera.MomentExtractor, VISION), (camera.PhotometricExtractor, {}),
+                                               (camera.MatchExtractor, {}), (camera.TagExtractor, {})])
+def test_a_lens_that_folds_inside_the_image_is_told_with_its_radius(extractor, config):
+    folding = {**INFO, "distortion_model": "rational_polynomial", "D": [0.44, -2.62, 0, 0, 1.41, 0.34, -2.3, 1.27]}
+    with pytest.warns(UserWarning, match=" 154 px"):
+        made = extractor(folding, config)
+    with pytest.warns(UserWarning, match=" 154 px"):
+        made.set_camera_info(folding)
+    extractor({**folding, "width": 160, "height": 120, "K": [195.05, 0, 79.5, 0, 195.05, 59.5, 0, 0, 1]}, config)

@@ -246,7 +246,8 @@ def test_a_failed_reference_changes_nothing(more):
     with pytest.raises(camera.DegenerateFeature):
         photometric.set_reference(np.full((120, 160), 128, np.uint8), 0.6)
     after = photometric.process(moved)
-    assert (after.H, after.b, after.rms, after.reference_hash) == (before.H, before.b, before.rms, before.reference_hash)
+    assert (after.H, after.b, after.rms) == (before.H, before.b, before.rms)
+    assert after.reference_hash == before.reference_hash
 
 
 @pytest.mark.parametrize("stretch", [1.001, 0.98, 1.04])
@@ -261,10 +262,12 @@ def test_a_change_of_zoom_keeps_the_reference(stretch):
     home, away = (other.image(pose) for pose in (np.eye(4), exponential(SMALL)))
     assert photometric.process(home).has_reference
     assert photometric.features.rms < 1.0  # rounding of both images, interpolation of one
+
     def step(features):
         H = np.zeros((6, 6))
         H[np.triu_indices(6)] = features.H
         return -np.linalg.solve(H + np.triu(H, 1).T, features.b)
+
     np.testing.assert_allclose(step(photometric.process(away)), step(taught.process(away)), atol=2e-4)
     photometric.set_camera_info(scene.info)
     assert photometric.process(scene.image()).rms == 0.0

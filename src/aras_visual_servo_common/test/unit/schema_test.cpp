@@ -160,6 +160,14 @@ TEST(Schema, AValueWithoutANameIsCalledADocument) {
   EXPECT_EQ(fault("shape", "{type: star}"), "type: found star, allowed one of circle, square");
 }
 
+TEST(Schema, TheNearestWordIsSuggestedWhereAMapIsAllowedToo) {
+  const std::string schema =
+      "{description: A., anyOf: [{type: string, enum: [dark, bright]}, {type: object, additionalProperties: true}]}";
+  EXPECT_EQ(valueFault(schema, "drak"), "toy.k: found drak, allowed one of dark, bright or a map; did you mean dark?");
+  EXPECT_EQ(valueFault(schema, "5"), "toy.k: found 5, allowed one of dark, bright or a map");
+  EXPECT_EQ(valueFault(schema, "dark"), "");
+}
+
 TEST(Schema, ANullIsAnEmptyMapOrList) {
   EXPECT_EQ(valueFault("{type: array, description: A.}", "null"), "");
   EXPECT_EQ(valueFault("{type: object, additionalProperties: true, description: A.}", "null"), "");

@@ -81,3 +81,19 @@ def test_a_file_that_says_the_same_is_not_written_again(tmp_path):
     before = (tmp_path / "out.hpp").stat().st_mtime_ns
     assert generate(tmp_path, toy=yaml.safe_dump(yaml.safe_load(toy))) == ""
     assert (tmp_path / "out.hpp").stat().st_mtime_ns == before
+
+
+WORD = "{title: Shade, type: string, enum: [dark, bright], description: A.}"
+COLOUR = "{title: Colour, %s, properties: {hue: {type: number, description: A.}}}" % MAP
+
+
+def test_a_word_or_a_map_is_a_variant(tmp_path):
+    assert generate(tmp_path, toy=section("{description: A., anyOf: [%s, %s]}" % (COLOUR, WORD))) == ""
+    text = (tmp_path / "out.hpp").read_text()
+    assert "std::variant<Shade, Colour>" in text and "#include <variant>" in text
+    assert "struct YamlValue<std::variant<toys::Shade, toys::Colour>> {" in text
+
+
+def test_of_several_types_beside_a_map_none_is_guessed(tmp_path):
+    kinds = "{description: A., anyOf: [%s, %s, {type: number}]}" % (COLOUR, WORD)
+    assert "toys: k: found anyOf" in generate(tmp_path, toy=section(kinds))

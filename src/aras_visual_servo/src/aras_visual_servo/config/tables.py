@@ -98,7 +98,9 @@ def allowed_of(schema: Mapping[str, Any]) -> str:
         return f"`{flow(schema['const'])}`"
     kinds = schema.get("oneOf", schema.get("anyOf"))
     if kinds:
-        return " or ".join(dict.fromkeys(filter(None, map(allowed_of, kinds))))
+        texts = [*dict.fromkeys(filter(None, map(allowed_of, kinds)))]
+        sections = ["a section"] * any("properties" in each for each in kinds)
+        return " or ".join([*texts, *sections] if texts else [])
     kind = schema.get("type", "")
     if kind == "array":
         return _list(schema)

@@ -116,7 +116,9 @@ def _validate_kinds(kinds, value, path, faults, one_only):
             faults.append(Fault((*path, key), f"found {shown(value.get(key))}, allowed {allowed}"))
         else:
             allowed = " or ".join(dict.fromkeys(map(words, kinds)))
-            faults.append(Fault(path, f"found {shown(value)}, allowed {allowed}{_number_hint(value)}"))
+            choices = [flow(word) for kind in kinds for word in kind.get("enum", ())]
+            near = "".join(one_of(choices, value).partition(";")[1:])  # ; did you mean ...
+            faults.append(Fault(path, f"found {shown(value)}, allowed {allowed}{near}{_number_hint(value)}"))
 
 
 def _fixes(kind, path, fault):

@@ -70,7 +70,7 @@ def _meaning(schema):
     """Unit, what is allowed and the description, in a line."""
     unit = f"[{schema['unit']}]" if schema.get("unit") else ""
     allowed = allowed_of(schema).replace("`", "").replace("\\|", "|")
-    if section_of(schema).get("properties") and schema.get("type") != "array":
+    if section_of(schema).get("properties") and schema.get("type") != "array" and not allowed.endswith("a section"):
         allowed = "a section"
     return " ".join(filter(None, (unit, f"{allowed}:" if allowed else "", _first(schema))))
 

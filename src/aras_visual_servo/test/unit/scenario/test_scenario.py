@@ -152,6 +152,15 @@ def test_an_unknown_name_gets_the_nearest_one():
         find_scenario("experimnt_1_binary")
 
 
+@pytest.mark.parametrize("found, ending", [("drak", "dark?"), ({"hue": [0, 9]}, "hue_deg?"), ("grey", "")])
+def test_a_word_or_a_section_is_wrong_with_the_nearest_of_both(document, found, ending):
+    document["vision"]["object"] = found
+    faults = [fault for fault in check(document) if fault.path[:2] == ("vision", "object")]
+    assert faults and str(faults[-1]).endswith(ending) and ("did you mean" in str(faults[-1])) == bool(ending)
+    document["vision"]["object"] = {"hue_deg": [340, 20]}
+    assert not [fault for fault in check(document) if fault.path[:2] == ("vision", "object")]
+
+
 def test_a_path_loads_and_relative_files_start_at_it(tmp_path, document):
     (tmp_path / "arm.urdf").write_text("<robot/>")
     document["robot"]["urdf"] = "arm.urdf"

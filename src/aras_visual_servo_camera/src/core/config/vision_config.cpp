@@ -6,6 +6,7 @@
 namespace aras_visual_servo_camera {
 namespace {
 
+using aras_visual_servo_common::numberOf;
 using aras_visual_servo_common::numberText;
 using aras_visual_servo_common::readSection;
 using aras_visual_servo_common::SectionCheck;
@@ -49,13 +50,27 @@ void checkPhotometric(PhotometricConfig& c, const SectionCheck& section) {
                   "> 0 there, away from the camera");
 }
 
+void checkColour(const ObjectColour& colour, const SectionCheck& section) {
+  const SectionCheck part = section.part("object");
+  const YAML::Node hue = part.node("hue_deg");
+  if (hue && hue.IsSequence() && hue.size() == 2 && numberOf(hue[0]) && numberOf(hue[0]) == numberOf(hue[1]))
+    part.fault("hue_deg", shown(hue), "two angles that differ");
+  if (!(colour.saturation[0] < colour.saturation[1]))
+    part.fault("saturation", shown(part.node("saturation")), "the least, and then a greater one");
+  for (const char* key : {"threshold", "object_grey", "background_grey"})
+    if (section.has(key)) section.fault(key, shown(section.node(key)), "nothing, because the object is a colour");
+}
+
 void checkSegmentation(const VisionConfig& c, const SectionCheck& section) {
-  if (c.segmentation == SegmentationMethod::kFixed && section.has("segmentation") && !section.has("threshold"))
+  const ObjectColour* colour = std::get_if<ObjectColour>(&c.object);
+  if (colour) checkColour(*colour, section);
+  if (c.segmentation == SegmentationMethod::kFixed && section.has("segmentation") && !colour &&
+      !section.has("threshold"))
     section.missing("threshold", "a number with segmentation fixed");
   checkOdd(section, "adaptive_block_px", c.adaptive_block_px);
-  if (c.object_grey && c.background_grey) {
+  if (!colour && c.object_grey && c.background_grey) {
     const double contrast = *c.background_grey - *c.object_grey;
-    const bool dark = c.object == ObjectShade::kDark;
+    const bool dark = isDark(c);
     if ((dark ? contrast : -contrast) < 1.0)
       section.fault("object_grey", *c.object_grey,
                     std::string(dark ? "at least 1 below" : "at least 1 above") + " background_grey, " +

@@ -5,6 +5,7 @@
 #include <aras_visual_servo_common/increasing_root.hpp>
 #include <aras_visual_servo_common/text.hpp>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <map>
 
@@ -79,6 +80,7 @@ CameraIntrinsics::CameraIntrinsics(int width_px, int height_px, const std::array
     findReach();
   } else if (std::any_of(D_.begin(), D_.end(), [](double d) { return d != 0.0; })) {
     lens_ = Lens::kPolynomial;
+    findFold();
   }
 }
 
@@ -155,6 +157,55 @@ void CameraIntrinsics::findReach() {
   }
 }
 
+/** How far from the axis the radial part of the polynomial lens draws a ray at distance r. @see distortPolynomial() */
+ValueAndSlope CameraIntrinsics::drawnByPolynomial(double r) const {
+  const double r2 = r * r;
+  const double above = 1.0 + r2 * (D_[0] + r2 * (D_[1] + r2 * D_[4]));
+  const double below = 1.0 + r2 * (D_[5] + r2 * (D_[6] + r2 * D_[7]));
+  const double d_above = D_[0] + r2 * (2.0 * D_[1] + r2 * 3.0 * D_[4]);
+  const double d_below = D_[5] + r2 * (2.0 * D_[6] + r2 * 3.0 * D_[7]);
+  if (!(below > 0.0)) return {std::numeric_limits<double>::infinity(), -1.0};  // at a pole, or beyond one
+  return {r * above / below, (above * below + 2.0 * r2 * (d_above * below - above * d_below)) / (below * below)};
+}
+
+/** Sets fold_: up to there the radial part of the polynomial lens draws ever farther from the axis. A rational lens may
+ * do so again beyond, which makes a second ray for the same pixel. */
+void CameraIntrinsics::findFold() {
+  constexpr double kStep = 0.002;  // [rad]
+  double before = 0.0;
+  for (double theta = kStep; theta <= kWidestAngle; theta += kStep) {
+    const double r = std::tan(theta);
+    if (drawnByPolynomial(r).slope > 0.0) {
+      before = r;
+      continue;
+    }
+    double low = before, high = r;
+    for (double middle = 0.5 * (low + high); middle > low && middle < high; middle = 0.5 * (low + high))
+      (drawnByPolynomial(middle).slope > 0.0 ? low : high) = middle;
+    fold_ = low;
+    drawn_fold_ = drawnByPolynomial(low).value;
+    return;
+  }
+}
+
+double CameraIntrinsics::farthestCorner() const {
+  return std::hypot(std::max(cx_ + 0.5, width_ - 0.5 - cx_) / fx_, std::max(cy_ + 0.5, height_ - 0.5 - cy_) / fy_);
+}
+
+double CameraIntrinsics::foldRadius() const {
+  double rd = drawn_fold_;
+  if (lens_ == Lens::kEquidistant && reach_ <= kWidestRay) rd = drawn(reach_).value;
+  return rd < farthestCorner() ? rd * std::sqrt(fx_ * fy_) : std::numeric_limits<double>::infinity();
+}
+
+std::string CameraIntrinsics::foldWarning() const {
+  const auto whole = [](double px) { return std::to_string(std::lround(px)); };
+  if (!std::isfinite(foldRadius())) return "";
+  return "camera_info.D: the lens is not one-to-one from " + whole(foldRadius()) +
+         " px on, measured from the optical axis, and the image reaches " +
+         whole(farthestCorner() * std::sqrt(fx_ * fy_)) + " px; features beyond are not valid";
+}
+
 /** The angle from the axis at which the equidistant lens draws at rd, or infinity. */
 double CameraIntrinsics::angleOf(double rd) const {
   if (rd > drawn(reach_).value) return std::numeric_limits<double>::infinity();
@@ -174,6 +225,23 @@ CameraIntrinsics::Undistorted CameraIntrinsics::undistort(double u_px, double v_
       out.y *= std::tan(theta) / rd;
     }
   }
+  if (lens_ != Lens::kPolynomial) return solve(xd, yd, out);
+  const double rd = std::hypot(xd, yd);
+  if (!(rd <= drawn_fold_)) return out;
+  out = solve(xd, yd, out);
+  if (out.valid && isWithinFold(out.x, out.y)) return out;
+  // Newton's method went astray, or beyond the fold: begin where the radial part leads.
+  const double most = std::min(fold_, kWidestRadius);
+  if (!(rd > 0.0 && rd <= drawnByPolynomial(most).value)) return Undistorted();
+  const double r =
+      increasingRoot([this](double at) { return drawnByPolynomial(at); }, rd, 0.0, most, std::min(rd, most));
+  out = solve(xd, yd, {xd * r / rd, yd * r / rd});
+  out.valid = out.valid && isWithinFold(out.x, out.y);
+  return out;
+}
+
+/** Newton's method on the lens model. */
+CameraIntrinsics::Undistorted CameraIntrinsics::solve(double xd, double yd, Undistorted out) const {
   double at[2], J[4];
   for (int step = 0; step < kNewtonSteps; ++step) {
     distort(out.x, out.y, at, J);
@@ -216,14 +284,17 @@ CameraIntrinsics intrinsicsOf(const CameraInfoConfig& info) {
     const int whole = *size, pixels = std::max(binning, 1);
     if (extent == 0) extent = whole;
     if (pixels == 1 && offset == 0 && extent == whole) return;
-    if (offset + extent > whole)
-      faults.add("camera_info.roi." + axis + "_offset + " + side, std::to_string(offset + extent),
+    const std::int64_t end = std::int64_t{offset} + extent;
+    if (end > whole)
+      faults.add("camera_info.roi." + axis + "_offset + " + side, std::to_string(end),
                  "<= camera_info." + side + ", " + std::to_string(whole));
     if (!(*centre > -0.5 && *centre < whole - 0.5))
-      faults.add("camera_info." + side, std::to_string(whole) + " with binning or roi and an optical axis at " +
-                 numberText(*centre), "the size of the whole sensor, which K belongs to");
+      faults.add("camera_info." + side,
+                 std::to_string(whole) + " with binning or roi and an optical axis at " + numberText(*centre),
+                 "the size of the whole sensor, which K belongs to");
     if (extent < pixels)
-      faults.add("camera_info.binning_" + axis, std::to_string(pixels), "<= " + std::to_string(extent) + " pixels read out");
+      faults.add("camera_info.binning_" + axis, std::to_string(pixels),
+                 "<= " + std::to_string(extent) + " pixels read out");
     *size = extent / pixels;
     *focal /= pixels;
     *centre = (*centre - offset + 0.5) / pixels - 0.5;
@@ -236,8 +307,7 @@ CameraIntrinsics intrinsicsOf(const CameraInfoConfig& info) {
 }
 
 CameraIntrinsics readCameraInfo(const YAML::Node& node) {
-  return intrinsicsOf(
-      aras_visual_servo_common::readSection<CameraInfoConfig>(node, "camera_info", [](auto&&...) {}));
+  return intrinsicsOf(aras_visual_servo_common::readSection<CameraInfoConfig>(node, "camera_info", [](auto&&...) {}));
 }
 
 }  // namespace aras_visual_servo_camera

@@ -38,33 +38,32 @@ constexpr int kLeastOfBayer = 3;  // pixels each way, which the interpolation ta
 constexpr int kBayerCodes[] = {cv::COLOR_BayerBG2RGB, cv::COLOR_BayerRG2RGB, cv::COLOR_BayerGR2RGB,
                                cv::COLOR_BayerGB2RGB};
 
-constexpr std::pair<const char*, PixelFormat> kNames[] = {
-    {"rgb8", PixelFormat::kRgb8},
-    {"bgr8", PixelFormat::kBgr8},
-    {"mono8", PixelFormat::kMono8},
-    {"rgba8", PixelFormat::kRgba8},
-    {"bgra8", PixelFormat::kBgra8},
-    {"mono16", PixelFormat::kMono16},
-    {"rgb16", PixelFormat::kRgb16},
-    {"bgr16", PixelFormat::kBgr16},
-    {"rgba16", PixelFormat::kRgba16},
-    {"bgra16", PixelFormat::kBgra16},
-    {"bayer_rggb8", PixelFormat::kBayerRggb8},
-    {"bayer_bggr8", PixelFormat::kBayerBggr8},
-    {"bayer_gbrg8", PixelFormat::kBayerGbrg8},
-    {"bayer_grbg8", PixelFormat::kBayerGrbg8},
-    {"bayer_rggb16", PixelFormat::kBayerRggb16},
-    {"bayer_bggr16", PixelFormat::kBayerBggr16},
-    {"bayer_gbrg16", PixelFormat::kBayerGbrg16},
-    {"bayer_grbg16", PixelFormat::kBayerGrbg16},
-    {"yuv422", PixelFormat::kYuv422},
-    {"yuv422_yuy2", PixelFormat::kYuv422Yuy2},
-    {"8UC1", PixelFormat::kMono8},
-    {"8UC3", PixelFormat::kBgr8},
-    {"8UC4", PixelFormat::kBgra8},
-    {"16UC1", PixelFormat::kMono16},
-    {"16UC3", PixelFormat::kBgr16},
-    {"16UC4", PixelFormat::kBgra16}};
+constexpr std::pair<const char*, PixelFormat> kNames[] = {{"rgb8", PixelFormat::kRgb8},
+                                                          {"bgr8", PixelFormat::kBgr8},
+                                                          {"mono8", PixelFormat::kMono8},
+                                                          {"rgba8", PixelFormat::kRgba8},
+                                                          {"bgra8", PixelFormat::kBgra8},
+                                                          {"mono16", PixelFormat::kMono16},
+                                                          {"rgb16", PixelFormat::kRgb16},
+                                                          {"bgr16", PixelFormat::kBgr16},
+                                                          {"rgba16", PixelFormat::kRgba16},
+                                                          {"bgra16", PixelFormat::kBgra16},
+                                                          {"bayer_rggb8", PixelFormat::kBayerRggb8},
+                                                          {"bayer_bggr8", PixelFormat::kBayerBggr8},
+                                                          {"bayer_gbrg8", PixelFormat::kBayerGbrg8},
+                                                          {"bayer_grbg8", PixelFormat::kBayerGrbg8},
+                                                          {"bayer_rggb16", PixelFormat::kBayerRggb16},
+                                                          {"bayer_bggr16", PixelFormat::kBayerBggr16},
+                                                          {"bayer_gbrg16", PixelFormat::kBayerGbrg16},
+                                                          {"bayer_grbg16", PixelFormat::kBayerGrbg16},
+                                                          {"yuv422", PixelFormat::kYuv422},
+                                                          {"yuv422_yuy2", PixelFormat::kYuv422Yuy2},
+                                                          {"8UC1", PixelFormat::kMono8},
+                                                          {"8UC3", PixelFormat::kBgr8},
+                                                          {"8UC4", PixelFormat::kBgra8},
+                                                          {"16UC1", PixelFormat::kMono16},
+                                                          {"16UC3", PixelFormat::kBgr16},
+                                                          {"16UC4", PixelFormat::kBgra16}};
 
 std::string sizeOf(const ImageView& image) {
   return "image: found " + std::to_string(image.width_px) + " x " + std::to_string(image.height_px) + " pixels";
@@ -162,15 +161,27 @@ cv::Mat greyOf(const ImageView& image, cv::Mat* buffer) {
   return *buffer;
 }
 
+void GreyReader::findWhite(ImageView* image) {
+  if (!isDeep(image->format)) return;
+  double most = 0.0;
+  cv::Mat values = valuesIn(*image);
+  if (values.channels() == 4) cv::cvtColor(values, values, cv::COLOR_RGBA2RGB);  // opacity is no light
+  cv::minMaxLoc(values.reshape(1), nullptr, &most);
+  for (int bits = 8; bits <= 16 && (bits == 8 || white_ < most); bits += 2) white_ = std::max(white_, (1 << bits) - 1);
+  image->white = white_;
+}
+
 cv::Mat GreyReader::read(ImageView image) {
-  if (isDeep(image.format)) {
-    double most = 0.0;
-    const cv::Mat values = valuesIn(image);
-    cv::minMaxLoc(values.reshape(1), nullptr, &most);
-    for (int bits = 8; bits <= 16 && (bits == 8 || white_ < most); bits += 2) white_ = std::max(white_, (1 << bits) - 1);
-    image.white = white_;
-  }
+  findWhite(&image);
   return greyOf(image, &buffer_);
+}
+
+cv::Mat GreyReader::readRgb(ImageView image) {
+  if (shallow(image.format) == PixelFormat::kMono8)
+    throw ShapeError(std::string("image: found ") + (isDeep(image.format) ? "mono16" : "mono8") +
+                     ", allowed an encoding with colours, because vision.object is a colour");
+  findWhite(&image);
+  return inBytes(rgbOf(image), image.white);
 }
 
 void requireSize(const ImageView& image, const CameraIntrinsics& intrinsics) {

@@ -23,16 +23,21 @@ cv::Mat inBytes(const cv::Mat& values, int white);
  *  @throws ShapeError if the view has no pixels, or rows shorter than them */
 cv::Mat greyOf(const ImageView& image, cv::Mat* buffer);
 
-/** Reads the images of one camera as 8-bit grey, and finds out how many bits its values of 16 bits use: white is the
- *  largest value of the fewest of 8, 10, 12, 14 and 16 bits that all images so far have kept to. */
+/** Reads the images of one camera as 8-bit grey or rgb, and finds out how many bits its values of 16 bits use: white is
+ * the largest value of the fewest of 8, 10, 12, 14 and 16 bits that all images so far have kept to. */
 class GreyReader {
  public:
   /** As greyOf(); valid until the next call. */
   cv::Mat read(ImageView image);
+  /** The image as rgb of 8 bits. @throws ShapeError of a mono image too */
+  cv::Mat readRgb(ImageView image);
   /** ImageView::white of the last image. */
   int white() const { return white_; }
 
  private:
+  /** Sets ImageView::white, having seen the values of this image too. */
+  void findWhite(ImageView* image);
+
   cv::Mat buffer_;
   int white_ = 0;
 };

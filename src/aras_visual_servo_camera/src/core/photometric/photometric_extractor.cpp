@@ -20,7 +20,8 @@ constexpr double kSmallestChange = 1e-2;
 // The goal's image is drawn for other intrinsics as long as its pixels are not much larger or smaller than theirs.
 constexpr double kMostZoom = 1.25;
 
-/** A value between pixels by cubic convolution, as exact in its place as doubles are; cv::remap rounds places to 1/32. */
+/** A value between pixels by cubic convolution, as exact in its place as doubles are; cv::remap rounds places to 1/32.
+ */
 float interpolated(const cv::Mat& image, double u, double v) {
   const auto weights = [](double t) {  // R. Keys, IEEE Trans. ASSP 29(6), 1981, a = -1/2
     return std::array<double, 4>{t * (-0.5 + t * (1.0 - 0.5 * t)), 1.0 + t * t * (-2.5 + 1.5 * t),
@@ -75,12 +76,12 @@ struct PhotometricExtractor::Work {
   std::shared_ptr<const CameraIntrinsics> camera;
   std::vector<PhotometricLevel> levels;  // from fine to coarse
   GreyReader reader;
-  cv::Mat grey, reference;               // grey: of the image looked at; reference: CV_32F
-  std::vector<cv::Mat> pyramid;          // CV_32F
+  cv::Mat grey, reference;       // grey: of the image looked at; reference: CV_32F
+  std::vector<cv::Mat> pyramid;  // CV_32F
   LastViews<View> last_views;
-  double contrast = 0.0;                 // standard deviation of the grey levels
-  std::shared_ptr<const Goal> goal;      // as it was taught
-  std::string goal_fault;                // why there is no reference although there is a goal
+  double contrast = 0.0;             // standard deviation of the grey levels
+  std::shared_ptr<const Goal> goal;  // as it was taught
+  std::string goal_fault;            // why there is no reference although there is a goal
 
   void look(const ImageView& image, const PhotometricConfig& config);
   void makePyramid(const cv::Mat& image);
@@ -121,15 +122,18 @@ cv::Mat PhotometricExtractor::Work::imageOf(const View& view, const PhotometricC
     for (int u = 0; u < image.cols; ++u) {
       const CameraIntrinsics::Undistorted ray = camera->undistort(u, v);
       if (!ray.valid) continue;  // nor is this pixel used
-      const std::array<double, 2> p = view.camera->project(ray.x, ray.y);
-      image.at<float>(v, u) = interpolated(floats, p[0], p[1]);
       const bool used = u >= rim && v >= rim && u < image.cols - rim && v < image.rows - rim;
-      const bool inside = p[0] >= 0.0 && p[1] >= 0.0 && p[0] <= view.grey.cols - 1 && p[1] <= view.grey.rows - 1;
+      const bool drawn = view.camera->isWithinFold(ray.x, ray.y);
+      const std::array<double, 2> p = view.camera->project(ray.x, ray.y);
+      if (drawn) image.at<float>(v, u) = interpolated(floats, p[0], p[1]);
+      const bool inside =
+          drawn && p[0] >= 0.0 && p[1] >= 0.0 && p[0] <= view.grey.cols - 1 && p[1] <= view.grey.rows - 1;
       covered = covered && (inside || !used);
     }
   }
   if (!covered)
-    throw DegenerateFeature("the goal's image cannot be compared since the camera's intrinsics changed: teach it again");
+    throw DegenerateFeature(
+        "the goal's image cannot be compared since the camera's intrinsics changed: teach it again");
   return image;
 }
 
@@ -155,9 +159,7 @@ void PhotometricExtractor::setIntrinsics(const CameraIntrinsics& intrinsics) {
   features_.interaction = kNames[static_cast<int>(config_.interaction)];
 }
 
-void PhotometricExtractor::clearReference() {
-  work_->restore(nullptr, config_);
-}
+void PhotometricExtractor::clearReference() { work_->restore(nullptr, config_); }
 
 std::function<void()> PhotometricExtractor::undo() {
   return [this, goal = work_->goal] { work_->restore(goal, config_); };

@@ -9,6 +9,7 @@
 #include "aras_visual_servo_camera/config/errors.hpp"
 #include "image/grey_image.hpp"
 #include "moments/shape.hpp"
+#include "segmentation/colour_channel.hpp"
 #include "segmentation/components.hpp"
 #include "segmentation/edge_weights.hpp"
 #include "segmentation/object_selector.hpp"
@@ -40,8 +41,8 @@ class BlindArea {
 
   /** Number of such pixels. */
   int count() const { return count_; }
-  /** Sets all these pixels to one grey. */
-  void fill(std::uint8_t grey, cv::Mat* image) const { image->setTo(grey, blind_); }
+  /** 255 where there is such a pixel, else 0; empty: there is none. */
+  const cv::Mat& pixels() const { return blind_; }
   /** Whether a component comes so near to these pixels that its edge may lie among them. */
   bool meets(const std::vector<Run>& runs, int component) const {
     return count_ > 0 && std::any_of(runs.begin(), runs.end(), [&](const Run& run) {
@@ -64,8 +65,7 @@ struct Threshold {
 };
 
 // Dark: grey < threshold; bright: grey > threshold.
-std::optional<Threshold> strictThreshold(ObjectShade object, double threshold) {
-  const bool dark = object == ObjectShade::kDark;
+std::optional<Threshold> strictThreshold(bool dark, double threshold) {
   const double level = dark ? std::ceil(threshold) - 1.0 : 254.0 - std::floor(threshold);
   if (level < 0.0) return std::nullopt;
   return Threshold{static_cast<std::uint8_t>(dark ? 0 : 255), static_cast<std::uint8_t>(std::min(level, 255.0))};
@@ -75,8 +75,12 @@ std::optional<Threshold> strictThreshold(ObjectShade object, double threshold) {
 
 struct Segmentation::Work {
   VisionConfig config;
+  bool dark = true;                      // the object is, in the image that is segmented
+  std::optional<ColourChannel> channel;  // of an object that is a colour
   GreyReader reader;
   cv::Mat seeing, mean, binary;
+  int fill_grey = 0, filled = 0;  // grey and number of the pixels that are not of the image
+  double min_contrast = 0.0;      // of the image that is segmented
   BlindArea blind;
   ComponentFinder finder;
   EdgeWeights edge_weights;
@@ -88,8 +92,9 @@ struct Segmentation::Work {
   std::vector<int> component_of;  // of each candidate
   bool was_cut = false;           // the object was cut by the border and has not been clear of it since
 
-  /** The image with its blind pixels set to the grey that is farthest from the object's. */
-  cv::Mat withoutBlind(const cv::Mat& grey);
+  /** The image that is segmented, its blind pixels set to the grey that is farthest from the object's. Of an object
+   * that is a colour it is the channel's. Empty: no pixel has the colour. */
+  cv::Mat greyIn(const ImageView& image);
   std::array<int, 256> histogramOf(const cv::Mat& grey) const;
   std::optional<GreyLevels> levelsOf(const cv::Mat& grey) const;
   std::optional<Threshold> thresholdOf(const cv::Mat& grey) const;
@@ -107,6 +112,10 @@ struct Segmentation::Work {
 
 Segmentation::Segmentation(const VisionConfig& config) : work_(std::make_unique<Work>()) {
   work_->config = config;
+  work_->dark = isDark(config);
+  work_->min_contrast = config.min_contrast;
+  if (const auto* colour = std::get_if<ObjectColour>(&config.object))
+    work_->channel.emplace(*colour, config.min_contrast);
   work_->selector = ObjectSelector(config);
 }
 Segmentation::~Segmentation() = default;
@@ -128,36 +137,45 @@ int Segmentation::white() const { return work_->reader.white(); }
 
 const std::vector<ObjectMask>& Segmentation::objects() const { return work_->objects; }
 
-cv::Mat Segmentation::Work::withoutBlind(const cv::Mat& grey) {
-  if (blind.count() == 0) return grey;
+cv::Mat Segmentation::Work::greyIn(const ImageView& image) {
+  if (channel) {
+    if (!channel->process(reader.readRgb(image), blind.pixels())) return cv::Mat();
+    fill_grey = channel->backgroundGrey();
+    filled = channel->leftOut();
+    min_contrast = config.min_contrast * channel->gain();
+    return channel->grey();
+  }
+  const cv::Mat grey = reader.read(image);
+  fill_grey = dark ? 255 : 0;
+  filled = blind.count();
+  if (filled == 0) return grey;
   grey.copyTo(seeing);
-  blind.fill(config.object == ObjectShade::kDark ? 255 : 0, &seeing);
+  seeing.setTo(fill_grey, blind.pixels());
   return seeing;
 }
 
 std::array<int, 256> Segmentation::Work::histogramOf(const cv::Mat& grey) const {
   std::array<int, 256> histogram = countGreys(grey.ptr(), grey.cols, grey.rows, grey.step);
-  histogram[config.object == ObjectShade::kDark ? 255 : 0] -= blind.count();
+  histogram[fill_grey] -= filled;
   return histogram;
 }
 
 std::optional<GreyLevels> Segmentation::Work::levelsOf(const cv::Mat& grey) const {
   if (config.object_grey && config.background_grey) return GreyLevels{*config.object_grey, *config.background_grey};
-  std::optional<GreyLevels> levels =
-      estimateGreyLevels(histogramOf(grey), config.object, config.min_area_px, config.min_contrast);
+  const ObjectShade shade = dark ? ObjectShade::kDark : ObjectShade::kBright;
+  std::optional<GreyLevels> levels = estimateGreyLevels(histogramOf(grey), shade, config.min_area_px, min_contrast);
   if (!levels) return std::nullopt;
   levels->object_estimated = !config.object_grey;
   levels->background_estimated = !config.background_grey;
   if (config.object_grey) levels->object = *config.object_grey;
   if (config.background_grey) levels->background = *config.background_grey;
   const double contrast = levels->background - levels->object;
-  if ((config.object == ObjectShade::kDark ? contrast : -contrast) < config.min_contrast) return std::nullopt;
+  if ((dark ? contrast : -contrast) < min_contrast) return std::nullopt;
   return levels;
 }
 
 std::optional<Threshold> Segmentation::Work::thresholdOf(const cv::Mat& grey) const {
-  if (config.segmentation == SegmentationMethod::kFixed)
-    return strictThreshold(config.object, config.threshold.value());
+  if (config.segmentation == SegmentationMethod::kFixed) return strictThreshold(dark, config.threshold.value());
   const std::array<int, 256> histogram = histogramOf(grey);
   const std::optional<int> split = otsuThreshold(histogram);
   if (!split) return std::nullopt;
@@ -166,15 +184,15 @@ std::optional<Threshold> Segmentation::Work::thresholdOf(const cv::Mat& grey) co
     n[g > *split] += histogram[g];
     sum[g > *split] += static_cast<double>(histogram[g]) * g;
   }
-  if (sum[1] / n[1] - sum[0] / n[0] < config.min_contrast) return std::nullopt;
-  return strictThreshold(config.object, *split + 0.5);
+  if (sum[1] / n[1] - sum[0] / n[0] < min_contrast) return std::nullopt;
+  return strictThreshold(dark, *split + 0.5);
 }
 
 void Segmentation::Work::makeAdaptiveBinary(const cv::Mat& grey) {
   cv::boxFilter(grey, mean, CV_32F, cv::Size(config.adaptive_block_px, config.adaptive_block_px), cv::Point(-1, -1),
                 true, cv::BORDER_REPLICATE);
   binary.create(grey.rows, grey.cols, CV_8UC1);
-  const float sign = config.object == ObjectShade::kDark ? -1.0f : 1.0f;
+  const float sign = dark ? -1.0f : 1.0f;
   const float offset = static_cast<float>(config.adaptive_offset);
   for (int v = 0; v < grey.rows; ++v) {
     const std::uint8_t* g = grey.ptr(v);
@@ -260,7 +278,7 @@ void Segmentation::Work::applyBorderMargin(int component) {
 
 const ObjectMask& Segmentation::process(const ImageView& image) {
   Work& w = *work_;
-  const cv::Mat grey = w.withoutBlind(w.reader.read(image));
+  const cv::Mat grey = w.greyIn(image);
   const bool soft = w.config.segmentation == SegmentationMethod::kCoverage;
   ObjectMask empty;
   empty.width_px = image.width_px;
@@ -272,6 +290,7 @@ const ObjectMask& Segmentation::process(const ImageView& image) {
   empty.edge.clear();
   w.mask = std::move(empty);
   w.objects.clear();
+  if (grey.empty()) return w.mask;
 
   cv::Mat scanned = grey;
   std::optional<GreyLevels> levels;
@@ -282,7 +301,10 @@ const ObjectMask& Segmentation::process(const ImageView& image) {
     threshold = Threshold{0, 0};
   } else if (soft) {
     levels = w.levelsOf(grey);
-    if (levels) threshold = strictThreshold(w.config.object, 0.5 * (levels->object + levels->background));
+    if (levels) threshold = strictThreshold(w.dark, 0.5 * (levels->object + levels->background));
+  } else if (w.channel && w.config.segmentation == SegmentationMethod::kFixed) {
+    scanned = w.channel->members();
+    threshold = Threshold{255, 0};
   } else {
     threshold = w.thresholdOf(grey);
   }

@@ -28,7 +28,7 @@ const char kEveryKey[] =
 
 TEST(VisionConfig, ReadsKeysOfEachKindAtEachDepth) {
   const VisionConfig c = readVisionConfig(YAML::Load(kEveryKey));
-  EXPECT_EQ(c.object, ObjectShade::kBright);
+  EXPECT_EQ(std::get<ObjectShade>(c.object), ObjectShade::kBright);
   EXPECT_EQ(c.segmentation, SegmentationMethod::kFixed);
   EXPECT_EQ(c.component, ComponentChoice::kNearestToPrevious);
   EXPECT_EQ(c.points, PointSource::kBlobs);
@@ -51,6 +51,36 @@ TEST(VisionConfig, WhatIsLeftOutIsNotMadeUp) {
   const VisionConfig c = readVisionConfig(YAML::Load("{object: dark, segmentation: coverage}"));
   EXPECT_EQ(c.points, PointSource::kNone);
   EXPECT_FALSE(c.kernel || c.object_grey || c.background_grey || c.photometric || c.matches || c.tag || c.depth);
+}
+
+TEST(VisionConfig, AnObjectMayBeAColour) {
+  const VisionConfig c =
+      readVisionConfig(YAML::Load("{object: {hue_deg: [340, 20], saturation: [0.5, 0.9]}, segmentation: fixed}"));
+  const auto& colour = std::get<ObjectColour>(c.object);
+  EXPECT_EQ(colour.hue_deg, Eigen::Vector2d(340.0, 20.0));
+  EXPECT_EQ(colour.saturation, Eigen::Vector2d(0.5, 0.9));
+  EXPECT_FALSE(isDark(c));
+  EXPECT_TRUE(isDark(readVisionConfig(YAML::Load("{object: dark, segmentation: coverage}"))));
+}
+
+TEST(VisionConfig, FaultsOfAColourAreListedAtOnce) {
+  for (const auto& [object, parts] : std::vector<std::pair<std::string, std::vector<std::string>>>{
+           {"{hue_deg: [20, 20]}", {"vision.object.hue_deg: found [20, 20]"}},
+           {"{hue_deg: [0, 20], saturation: [0.9, 0.5]}", {"vision.object.saturation: found [0.9, 0.5]"}},
+           {"{hue_deg: [-20, 20], saturation: [0.1, 2]}",
+            {"vision.object.hue_deg: found", "vision.object.saturation: found"}},
+           {"{hue_deg: [20], hues: 3}",
+            {"vision.object.hue_deg: found [20]", "vision.object.hues: found an unknown key"}},
+           {"{saturation: [0.1, 1]}", {"vision.object.hue_deg: found nothing"}},
+           {"{}", {"vision.object.hue_deg: found nothing"}}}) {
+    const std::string faults = faultsOf("{segmentation: coverage, order: 2, object: " + object + "}");
+    EXPECT_NE(faults.find("vision.order: found 2"), std::string::npos) << faults;
+    for (const std::string& part : parts) EXPECT_NE(faults.find(part), std::string::npos) << object << ": " << faults;
+  }
+  const std::string faults =
+      faultsOf("{segmentation: fixed, object: {hue_deg: [0, 9]}, threshold: 3, object_grey: 4, background_grey: 90}");
+  for (const char* key : {"threshold: found 3", "object_grey: found 4", "background_grey: found 90"})
+    EXPECT_NE(faults.find(std::string("vision.") + key), std::string::npos) << faults;
 }
 
 TEST(VisionConfig, FaultsOfSeveralKeysAreListedAtOnce) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "aras_visual_servo_camera/config/sections.hpp"
 #include "aras_visual_servo_camera/image/pixel_map.hpp"
 #include "text_of.hpp"
 
@@ -92,6 +93,76 @@ TEST(CameraIntrinsics, PixelsBeyondTheFoldOfTheLensHaveNoRay) {
   const CameraIntrinsics camera(320, 240, kK, "plumb_bob", {-0.8, 0, 0, 0});
   EXPECT_TRUE(camera.undistort(150.0 + 0.3 * 195.05, 130.0).valid);
   EXPECT_FALSE(camera.undistort(150.0 + 0.8 * 195.05, 130.0).valid);
+}
+
+// A calibration of a depth camera with 4K. Rays at r = 0.8937 are drawn at 0.7889, those farther from the axis nearer
+// to it until r = 1.063, and from there on farther again: the image, which reaches 1.2, has third rays beyond 0.71.
+const std::vector<double> kFolding{0.44, -2.62, 4e-4, -3e-4, 1.41, 0.34, -2.3, 1.27};
+constexpr double kFoldRay = 0.8937, kFold = 0.7889, kFocal = 1825.0;
+constexpr double kTangential = 2e-3;  // largest shift by the tangential coefficients
+
+CameraIntrinsics folding(int width = 3840, int height = 2160, int pixels = 1) {
+  return {width / pixels,
+          height / pixels,
+          {kFocal / pixels, 0, 0.5 * width / pixels, 0, kFocal / pixels, 0.5 * height / pixels, 0, 0, 1},
+          "rational_polynomial",
+          kFolding};
+}
+
+TEST(CameraIntrinsics, ARationalLensThatFoldsInsideTheImageHasRaysUpToItsFoldOnly) {
+  const CameraIntrinsics camera = folding();
+  int seen = 0, blind = 0;
+  for (int u = 0; u < camera.width(); u += 40) {
+    for (int v = 0; v < camera.height(); v += 40) {
+      const double rd = std::hypot(u - camera.cx(), v - camera.cy()) / kFocal;
+      const auto ray = camera.undistort(u, v);
+      EXPECT_FALSE(ray.valid && rd > kFold + kTangential) << u << " " << v;
+      EXPECT_TRUE(ray.valid || rd > 0.99 * kFold) << u << " " << v;
+      EXPECT_EQ(camera.rayOf(u, v).solid_angle > 0.0, ray.valid);
+      ++(ray.valid ? seen : blind);
+      if (!ray.valid) continue;
+      EXPECT_LE(std::hypot(ray.x, ray.y), kFoldRay + 1e-4);
+      EXPECT_TRUE(camera.isWithinFold(ray.x, ray.y));
+      const auto back = camera.project(ray.x, ray.y);
+      EXPECT_NEAR(back[0], u, 1e-9);
+      EXPECT_NEAR(back[1], v, 1e-9);
+    }
+  }
+  EXPECT_GT(seen, 3000);
+  EXPECT_GT(blind, 500);
+  EXPECT_FALSE(camera.isWithinFold(0.0, 0.9));
+}
+
+TEST(CameraIntrinsics, TheRadiusOfTheFoldIsToldWhereItIsInTheImage) {
+  const double radius = kFold * kFocal;
+  EXPECT_NEAR(folding().foldRadius(), radius, 0.2);
+  EXPECT_NE(folding().foldWarning().find(" 1440 px"), std::string::npos) << folding().foldWarning();
+  EXPECT_NEAR(folding(3840, 2160, 4).foldRadius(), radius / 4, 0.1);
+  for (const CameraIntrinsics& whole :
+       {folding(1920, 1080), CameraIntrinsics(320, 240, kK, "plumb_bob", {0.1, -0.05, 0, 0}),
+        CameraIntrinsics(320, 240, kK, "equidistant", {0.02, -0.01, 0.003, -0.001})}) {
+    EXPECT_TRUE(std::isinf(whole.foldRadius()));
+    EXPECT_EQ(whole.foldWarning(), "");
+  }
+  // r (1 - 0.8 r^2) grows up to r = 0.645, theta (1 - 0.3 theta^2) up to theta = 1.054.
+  EXPECT_NEAR(
+      CameraIntrinsics(320, 240, {195.05, 0, 150, 0, 195.05, 130, 0, 0, 1}, "plumb_bob", {-0.8, 0, 0, 0}).foldRadius(),
+      195.05 * 0.6455 * (1 - 0.8 * 0.6455 * 0.6455), 0.1);
+  EXPECT_NEAR(
+      CameraIntrinsics(320, 240, {195.05, 0, 20, 0, 195.05, 130, 0, 0, 1}, "equidistant", {-0.3, 0, 0, 0}).foldRadius(),
+      195.05 * 1.054 * (1 - 0.3 * 1.054 * 1.054), 0.1);
+}
+
+/** Newton's method from the pixel itself goes astray at some of these. */
+TEST(CameraIntrinsics, EveryRayWithinTheFoldIsFound) {
+  const CameraIntrinsics camera(640, 480, {300, 0, 319.5, 0, 300, 239.5, 0, 0, 1}, "plumb_bob", {1.6, -1.2, 0, 0, 0.2});
+  for (double r = 0.02; r < 3.0; r += 0.02) {
+    if (!camera.isWithinFold(r, 0.0)) break;
+    const auto pixel = camera.project(0.6 * r, 0.8 * r);
+    const auto ray = camera.undistort(pixel[0], pixel[1]);
+    ASSERT_TRUE(ray.valid) << r;
+    EXPECT_NEAR(std::hypot(ray.x, ray.y), r, 1e-6);
+  }
 }
 
 std::string faultsOf(const std::array<double, 9>& K, const std::string& model, const std::vector<double>& D,
@@ -199,15 +270,19 @@ TEST(CameraInfo, IsReadFromAMapping) {
   EXPECT_TRUE(readCameraInfo(node) == CameraIntrinsics(320, 240, kK, "plumb_bob", {}));
 }
 
-constexpr char kSensor[] = "width: 2560, height: 1920, K: [2000, 0, 1279.5, 0, 1900, 959.5, 0, 0, 1], D: [-0.2, 0.1, 0, 0], "
+constexpr char kSensor[] =
+    "width: 2560, height: 1920, K: [2000, 0, 1279.5, 0, 1900, 959.5, 0, 0, 1], D: [-0.2, 0.1, 0, 0], "
     "distortion_model: plumb_bob";
 
-CameraIntrinsics readOut(const std::string& more) { return readCameraInfo(YAML::Load("{" + std::string(kSensor) + more + "}")); }
+CameraIntrinsics readOut(const std::string& more) {
+  return readCameraInfo(YAML::Load("{" + std::string(kSensor) + more + "}"));
+}
 
 TEST(CameraInfo, ABinnedPixelLooksWhereThePixelsItIsMadeOfDo) {
   const CameraIntrinsics sensor = readOut("");
   const CameraIntrinsics image = readOut(
-      ", binning_x: 4, binning_y: 2, roi: {x_offset: 640, y_offset: 480, width: 1600, height: 1200, do_rectify: false}");
+      ", binning_x: 4, binning_y: 2, roi: {x_offset: 640, y_offset: 480, width: 1600, height: 1200, do_rectify: "
+      "false}");
   EXPECT_EQ(image.width(), 400);
   EXPECT_EQ(image.height(), 600);
   for (const double u : {0.0, 17.0, 399.0}) {
@@ -225,13 +300,22 @@ TEST(CameraInfo, OfTheWholeSensorIsLeftAsItIs) {
 
 TEST(CameraInfo, ARegionOutsideTheSensorAndABinnedKOfAnotherSizeAreRefused) {
   const auto faults = [](const std::string& more) { return testing::textOf<ParameterError>([&] { readOut(more); }); };
-  EXPECT_NE(faults(", roi: {x_offset: 1, width: 2560, height: 1920}").find("camera_info.roi.x_offset"), std::string::npos);
+  EXPECT_NE(faults(", roi: {x_offset: 1, width: 2560, height: 1920}").find("camera_info.roi.x_offset"),
+            std::string::npos);
   EXPECT_NE(faults(", roi: {y_offset: 1}").find("camera_info.roi.y_offset"), std::string::npos);
   EXPECT_NE(faults(", binning_x: 2561").find("camera_info.binning_x"), std::string::npos);
   EXPECT_NE(faults(", roi: {x: 3}").find("camera_info.roi.x"), std::string::npos);
+  CameraInfoConfig huge;  // as a message may have it, which no schema has checked
+  huge.width = 640;
+  huge.height = 480;
+  huge.K = {500, 0, 320, 0, 500, 240, 0, 0, 1};
+  huge.roi.x_offset = huge.roi.width = 1 << 30;
+  EXPECT_NE(testing::textOf<ParameterError>([&] { intrinsicsOf(huge); }).find("camera_info.roi.x_offset"),
+            std::string::npos);
   const std::string binned = testing::textOf<ParameterError>([] {
-    readCameraInfo(YAML::Load("{width: 640, height: 480, K: [2000, 0, 1279.5, 0, 2000, 959.5, 0, 0, 1], D: [], "
-                              "distortion_model: '', binning_x: 4, binning_y: 4}"));
+    readCameraInfo(
+        YAML::Load("{width: 640, height: 480, K: [2000, 0, 1279.5, 0, 2000, 959.5, 0, 0, 1], D: [], "
+                   "distortion_model: '', binning_x: 4, binning_y: 4}"));
   });
   EXPECT_NE(binned.find("camera_info.width: found 640"), std::string::npos) << binned;
   EXPECT_NE(binned.find("camera_info.height: found 480"), std::string::npos) << binned;

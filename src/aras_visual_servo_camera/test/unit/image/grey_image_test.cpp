@@ -146,12 +146,23 @@ TEST(DeepImages, AreReadWithTheFewestBitsThatAreEnoughForTheImagesSoFar) {
   GreyReader reader;
   std::uint16_t values[] = {0, 0};
   const ImageView view{reinterpret_cast<const std::uint8_t*>(values), 2, 1, 4, PixelFormat::kMono16};
-  for (const auto& [value, white, grey] : std::vector<std::array<int, 3>>{
-           {200, 255, 200}, {256, 1023, 64}, {1023, 1023, 255}, {100, 1023, 25}, {4000, 4095, 249}, {60000, 65535, 233}}) {
+  for (const auto& [value, white, grey] : std::vector<std::array<int, 3>>{{200, 255, 200},
+                                                                          {256, 1023, 64},
+                                                                          {1023, 1023, 255},
+                                                                          {100, 1023, 25},
+                                                                          {4000, 4095, 249},
+                                                                          {60000, 65535, 233}}) {
     values[1] = static_cast<std::uint16_t>(value);
     EXPECT_EQ(reader.read(view).at<std::uint8_t>(0, 1), grey) << value;
     EXPECT_EQ(reader.white(), white) << value;
   }
+}
+
+TEST(DeepImages, DoNotTakeTheirWhiteFromTheirOpacity) {
+  GreyReader reader;
+  const std::uint16_t values[] = {700, 700, 700, 65535};
+  reader.read({reinterpret_cast<const std::uint8_t*>(values), 1, 1, 8, PixelFormat::kRgba16});
+  EXPECT_EQ(reader.white(), 1023);
 }
 
 std::string refusalOf(const ImageView& view) {

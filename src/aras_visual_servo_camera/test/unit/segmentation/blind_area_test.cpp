@@ -81,5 +81,20 @@ TEST_P(Method, AnObjectThatReachesIntoTheBlindAreaIsCutOnEverySide) {
   }
 }
 
+/** A rational lens that folds 71 px from the axis: what is farther away is in the image, and has no coordinates. */
+TEST_P(Method, AnObjectBeyondTheFoldOfTheLensHasNoFeatures) {
+  const CameraIntrinsics camera(kSize_px, kSize_px, {90, 0, kCentre_px, 0, 90, kCentre_px, 0, 0, 1},
+                                "rational_polynomial", {0.44, -2.62, 0, 0, 1.41, 0.34, -2.3, 1.27});
+  ASSERT_NEAR(camera.foldRadius(), 71.0, 0.5);
+  MomentExtractor extractor(camera, config(GetParam()));
+  const auto at = [&](double radius_px) {
+    return extractor.process(discAt(kCentre_px - 0.6 * radius_px, kCentre_px + 0.8 * radius_px).view());
+  };
+  const MomentFeatures inside = at(50.0), cut = at(66.0), beyond = at(88.0);
+  EXPECT_TRUE(inside.valid) << inside.area;
+  EXPECT_TRUE(cut.touches_border && !cut.valid);
+  EXPECT_FALSE(beyond.valid);
+}
+
 }  // namespace
 }  // namespace aras_visual_servo_camera

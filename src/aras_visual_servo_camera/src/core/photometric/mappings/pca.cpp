@@ -91,7 +91,8 @@ class Pca : public LinearMapping {
         const double depth = (1.0 - n.dot(p)) / n.dot(way);
         const cv::Vec3d point = p + depth * way;
         std::array<double, 2> px = {-1.0, -1.0};
-        if (depth > 0.0 && point[2] > 0.0) px = view.intrinsics.project(point[0] / point[2], point[1] / point[2]);
+        const double x = point[0] / point[2], y = point[1] / point[2];
+        if (depth > 0.0 && point[2] > 0.0 && view.intrinsics.isWithinFold(x, y)) px = view.intrinsics.project(x, y);
         const auto within = [](double place) { return static_cast<float>(std::clamp(place, -1e4, 1e4)); };
         at_u.at<float>(v, u) = within(px[0] / view.pitch - view.border);
         at_v.at<float>(v, u) = within(px[1] / view.pitch - view.border);
