@@ -6,7 +6,7 @@ same area and moments of second order, err in their place and in their direction
 """
 
 from dataclasses import replace
-from math import atan2, cos, sin, sqrt
+from math import atan2, cos, isfinite, sin, sqrt
 from typing import Any, Iterator, List, Tuple
 
 import numpy as np
@@ -30,13 +30,23 @@ def edge_changes(features: FeatureSet, view: Features) -> np.ndarray:
     return np.array(moved).T.reshape(len(s), -1) / STEP
 
 
+def whole(view: Features) -> Features:
+    """The view with `area`, `xg` and `yg` where a stored one has its moments or points only."""
+    m = view.raw_moments()
+    if "10" in m:
+        return replace(view, area=m["00"], xg=m["10"] / m["00"], yg=m["01"] / m["00"])
+    if len(view.point_x) and not isfinite(view.xg):
+        return replace(view, xg=float(np.mean(view.point_x)), yg=float(np.mean(view.point_y)))
+    return view
+
+
 def _others(view: Features) -> Iterator[Features]:
     """The view with each of the errors."""
     for name in ("point_x", "point_y", "ray_x", "ray_y"):
         values = list(getattr(view, name))
         for k, value in enumerate(values):
             yield replace(view, **{name: (*values[:k], value + STEP, *values[k + 1:])})
-    if view.moment_names and view.area > 0.0:
+    if "02" in view.moment_names and view.area > 0.0:
         for places, shifts in _sides(view):
             yield _with_side_moved(view, places, shifts)
 

@@ -6,7 +6,7 @@ from typing import Any, List, Optional, Sequence, Tuple
 import numpy as np
 
 from ..features.base import FeatureSet, View
-from ..features.edges import edge_changes
+from ..features.edges import edge_changes, whole
 from ..features.interaction import plane_from_pose
 from ..features.points import depths_in_image
 from ..ground.errors import DegenerateFeature
@@ -45,7 +45,7 @@ class GoalPose:
         self.of_features, self.edge_stddev = np.zeros(len(features)), float("nan")
         if reference.view is None or reference.plane_C is None:
             return
-        view, plane = reference.view, reference.plane_C
+        view, plane = whole(reference.view), reference.plane_C
         self.edge_stddev = view.edge_stddev
         try:
             depths = 1.0 / depths_in_image(view) if point_depth == "image" else None
@@ -147,6 +147,8 @@ def turns_alike(view: Any) -> Tuple[float, ...]:
 
     As seen from afar and nearly parallel: a rectangle has pi, a square pi / 2, pi and 3 pi / 2.
     """
+    if view is None:
+        return ()
     z = np.array(view.point_x, dtype=float) + 1j * np.array(view.point_y, dtype=float)
     z, found = z - z.mean() if len(z) > 1 else z, []
     for k in range(1, len(z)):

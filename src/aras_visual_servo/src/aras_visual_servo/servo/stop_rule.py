@@ -98,7 +98,7 @@ class StopRule:
                                settings.tilt_rad, SURE, taught_images, *((np.zeros((6, 6)), np.eye(6)[None])
                                if goal is None else (goal.edges, goal.planes)))
         self._goal_edge = nan if goal is None else goal.edge_stddev
-        self._of_features = () if goal is None else tuple((SURE * goal.of_features / np.array(thresholds)).tolist())
+        self._of_features = () if goal is None else tuple((goal.of_features / np.array(thresholds)).tolist())
         self._last_ns = self._since_ns = self._settled_ns = None
         self.clear()
 

@@ -20,7 +20,7 @@ RECTANGLE = {"name": "target", "attached_to": "link6", "position_m": [0.0, 0.0, 
              "board": {"size_m": [0.4, 0.3], "color_rgb": [230, 230, 230]}}
 #: Half as wide as the scenarios' own cameras, so that a run takes two thirds of the time.
 CAMERA = {"name": "camera", "frame": "stand_optical_frame", "width": 320, "height": 240, "horizontal_fov_rad": 1.41,
-          "rate_hz": 30.0, "encoding": "rgb8"}
+          "rate_hz": 30.0, "encoding": "rgb8", "dither": True}
 HAND = {"robot.tip_link": "stand_optical_frame", "robot.target_link": "link6"}
 SIX_MOMENTS = {**HAND, "sim.cameras": [CAMERA], "sim.scene.models": [RECTANGLE], "experiment.z_star_m": 0.629}
 #: A tag on the gantry arm: away from straight down, where this arm loses a tilt.

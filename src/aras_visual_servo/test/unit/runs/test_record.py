@@ -7,9 +7,10 @@ import pytest
 from bench import Bench
 from synthetic import blob, IMAGE_PERIOD_NS, make_record
 
-from aras_visual_servo import Features, measures, MEASURES, Outline, RecordBuilder, ServoRecord, ShapeError, Status
+from aras_visual_servo import (Features, measures, MEASURES, Outline, ParameterError, RecordBuilder, ServoRecord, ShapeError,
+                               Status)
 from aras_visual_servo.runs.measures import distance_from_segment
-from aras_visual_servo.runs.teaching import FEW, Teaching
+from aras_visual_servo.runs.teaching import FEW, still, Teaching
 from aras_visual_servo.spatial import plane_depth, rotation
 
 
@@ -141,6 +142,36 @@ def test_noise_is_averaged_out_to_a_part_of_the_thresholds():
 @pytest.mark.parametrize("most", [1, 20])
 def test_there_are_at_most_as_many_images_as_allowed(most):
     assert taught(0.01, most=most)[2] == most
+
+
+def creeping(m_per_image, until=10**6):
+    """`Teaching` of noisy views while the gantry creeps, and the bench's goal; stops creeping at an image."""
+    bench = Bench(thresholds=dict.fromkeys(("xn", "yn", "an", "alpha"), 1e-4), stop=STOP)
+    rng, exact = np.random.default_rng(NOISE_SEED), bench.camera.features(bench.X_WG)
+    gantry, k = list(bench.arm.joint_names).index("gantry"), 0
+
+    def image():
+        q = np.array(bench.arm.vector(bench.goal_q))
+        q[gantry] += m_per_image * min(k, until)
+        return replace(exact, xn=exact.xn + 5e-5 * rng.normal(), reference_stamp_ns=STAMP_NS), q
+
+    teaching = Teaching(bench.servo, STAMP_NS, *image(), bench.camera.star[0], 100, still(0.2, 0.3, 0.2, 0.1))
+    while not teaching.done:
+        k += 1
+        teaching.add(*image())
+    return bench, teaching, m_per_image * min(k, until)
+
+
+def test_a_goal_is_refused_while_the_arm_moves_by_more_than_a_tenth_of_what_the_judge_allows():
+    with pytest.raises(ParameterError, match="the camera moves, by 0.99 mm"):  # 99 times 10 um; allowed are 20 um
+        creeping(1e-5)
+
+
+def test_images_of_before_the_arm_rested_are_left_out_of_the_goal():
+    bench, teaching, rest_m = creeping(1e-5, until=8)
+    q = teaching.reference.posture["gantry"]
+    assert FEW < teaching.reference.images < 60 and rest_m == pytest.approx(8e-5)
+    assert abs(q - (dict(zip(bench.arm.joint_names, bench.arm.vector(bench.goal_q)))["gantry"] + rest_m)) < 2e-5
 
 
 def test_a_goal_that_may_move_is_taught_from_one_image():

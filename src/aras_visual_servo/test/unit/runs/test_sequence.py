@@ -7,10 +7,11 @@ from toy_plant import arm, Camera, GOAL, PERIOD_NS, pose_error, START
 
 from aras_visual_servo import ExperimentSequence, FEATURE_NAMES, Observation, ParameterError, Servo, StampPairer, Status
 from aras_visual_servo.ground.types import PHASES
+from aras_visual_servo.runs.sequence import HOLD_PER_S
 
 FINAL_POSITION_M = 1e-5  # wanted; thresholds of 1 um leave below 2 um
 EXPERIMENT = {"goal": {"joints": GOAL}, "start": {"joints": START}, "z_star_m": 0.5934, "settle_s": 0.5,
-              "judge": {"x_mm": 1.0}}  # fmt: skip
+              "judge": {"x_mm": 1.0, "y_mm": 1.0, "z_mm": 1.0, "angle_deg": 1.0}}  # fmt: skip
 SERVO = {
     "law": "decoupled",
     "mode": "continuous",
@@ -115,14 +116,19 @@ def test_idle_sequence_acknowledges_and_commands_nothing():
     assert (record.phase, record.status) == ("idle", Status.IDLE)
 
 
-def test_finished_sequence_acknowledges_and_commands_nothing():
+def test_finished_sequence_holds_the_joints_where_the_servo_arrived():
     stage = Stage()
     stage.sequence.start()
     stage.run()
     last = stage.records[-1]
     assert last.phase == "done" and last.converged
     command, record = stage.step()
-    assert command.position == {} and command.velocity == {}
+    assert command.position == {}
+    back = HOLD_PER_S * (last.q - record.q)  # to where the joints were when the servo arrived
+    np.testing.assert_allclose([command.velocity[name] for name in last.joint_names], back, atol=1e-12)
+    stage.set_point += 0.01
+    command, _ = stage.step()
+    np.testing.assert_allclose(list(command.velocity.values()), -0.01 * HOLD_PER_S, atol=1e-4)
     assert (record.phase, record.status) == ("done", Status.CONVERGED)
 
 

@@ -213,8 +213,8 @@ HALF_TURN_ROUNDING = 1e-12
 HOLD_NS, KEPT_NS, POSITION_M, ROTATION_RAD, TILT_RAD = 200, 1000, 0.001, 0.01, 0.002
 
 
-def arrival(taught_images=4, sure=2.0):
-    return Arrival([0.1, 0.2], HOLD_NS, KEPT_NS, POSITION_M, ROTATION_RAD, TILT_RAD, sure, taught_images)
+def arrival(taught_images=4, sure=2.0, edges=np.zeros((6, 6)), planes=(np.eye(6),)):
+    return Arrival([0.1, 0.2], HOLD_NS, KEPT_NS, POSITION_M, ROTATION_RAD, TILT_RAD, sure, taught_images, edges, planes)
 
 
 def pose(turn, position):
@@ -251,7 +251,7 @@ def test_the_place_is_the_mean_pose_of_the_images_near_the_camera_and_its_uncert
     moved = [np.array([x, 0.0, 0.0, 0.0, 0.0, 0.0]) for x in (0.0, 0.01, 0.0102, 0.0104)]
     poses = [1e-4 * rng.normal(size=6) + motion for motion in moved]
     for k, (motion, seen) in enumerate(zip(moved, poses)):
-        found = judged.place(100 * k, motion, seen)
+        found = judged.place(100 * k, motion, seen, 0.0)
     near = np.array([seen - motion for motion, seen in zip(moved[1:], poses[1:])])  # the first is 10 mm away
     where = near.mean(axis=0) + np.array(moved[1:])  # of the last 200 ns
     unsure = np.sqrt(where**2 + 4.0 * (1.0 / 3.0 + 1.0 / 4.0) * near.var(axis=0))
@@ -260,10 +260,11 @@ def test_the_place_is_the_mean_pose_of_the_images_near_the_camera_and_its_uncert
         return (np.linalg.norm(places[:, :3], axis=1).max() / POSITION_M,
                 np.linalg.norm(places[:, 3:], axis=1).max() / ROTATION_RAD)
 
-    off, way, position, turn, position_m, rotation_rad = found
+    off, way, position, turn, known, left_open, position_m, rotation_rad = found
     np.testing.assert_allclose(off, max(parts(where)), rtol=1e3 * ROUNDING)
     np.testing.assert_allclose(way, 0.0004 / POSITION_M, rtol=1e3 * ROUNDING)
     np.testing.assert_allclose((position, turn), parts(unsure), rtol=1e3 * ROUNDING)
+    assert known == max(position, turn) and left_open == 0.0
     last = np.linalg.norm(unsure[-1, :3]), np.linalg.norm(unsure[-1, 3:])
     np.testing.assert_allclose((position_m, rotation_rad), last, rtol=1e3 * ROUNDING)
 
@@ -271,8 +272,27 @@ def test_the_place_is_the_mean_pose_of_the_images_near_the_camera_and_its_uncert
 def test_clear_forgets_every_image():
     judged = arrival()
     judged.features(0, (9.0, 9.0), 0.9)
-    judged.place(0, np.zeros(6), np.ones(6))
+    judged.place(0, np.zeros(6), np.ones(6), 0.0)
     judged.clear()
     means, tilt = judged.features(1, (0.1, 0.2), 0.001)
     assert means == [1.0, 1.0] and tilt == 0.5
-    assert judged.place(1, np.zeros(6), np.zeros(6))[0] == 0.0
+    assert judged.place(1, np.zeros(6), np.zeros(6), 0.0)[0] == 0.0
+
+
+def test_what_the_sides_leave_open_counts_as_distance_and_does_not_shrink():
+    edges = np.diag([4.0, 0.0, 0.0, 0.0, 0.0, 9.0])
+    judged = arrival(edges=edges)
+    for k in range(5):
+        _, _, position, turn, known, left_open, position_m, rotation_rad = judged.place(
+            k, np.zeros(6), np.zeros(6), 1e-8)
+    assert position == turn == 0.0
+    np.testing.assert_allclose((position_m, rotation_rad), (2.0 * 2e-4, 2.0 * 3e-4))  # two standard deviations
+    assert known == left_open == pytest.approx(max(4e-4 / POSITION_M, 6e-4 / ROTATION_RAD))
+
+
+def test_a_displacement_counts_as_large_as_it_is_by_the_worst_plane():
+    planes = (np.eye(6), np.diag([3.0, 1.0, 1.0, 1.0, 1.0, 1.0]))
+    seen = np.array([2e-4, 0.0, 0.0, 0.0, 0.0, 0.0])
+    off, _, position, _, known, left_open, position_m, _ = arrival(planes=planes).place(0, np.zeros(6), seen, 0.0)
+    np.testing.assert_allclose((off, known), 6e-4 / POSITION_M)
+    assert position == pytest.approx(2e-4 / POSITION_M) and position_m == pytest.approx(6e-4) and left_open == 0.0

@@ -65,6 +65,22 @@ TEST_P(EveryMethod, FindsABrightObjectWhenToldTo) {
   EXPECT_NEAR(weightOf(mask), 1200.0, kRounding);
 }
 
+TEST(Coverage, EstimatedGreysAreThoseBesideTheObjectWhereLightFallsOff) {
+  GreyImage image(320, 240, 0);
+  for (int v = 0; v < 240; ++v)
+    for (int u = 0; u < 320; ++u) {
+      const double light = 230.0 - 0.0012 * ((u - 160.0) * (u - 160.0) + (v - 120.0) * (v - 120.0)) * 1.5;
+      const bool in = u > 150 && u < 190 && v >= 100 && v < 140, half = (u == 150 || u == 190) && v >= 100 && v < 140;
+      fill(&image, u, v, 1, 1, static_cast<int>(std::lround(in ? 20.0 : half ? 0.5 * (20.0 + light) : light)));
+    }
+  VisionConfig config;
+  config.segmentation = SegmentationMethod::kCoverage;
+  config.object_grey = config.background_grey = std::nullopt;
+  const ObjectMask mask = Segmentation(config).process(image.view());
+  EXPECT_NEAR(weightOf(mask), 40.0 * 40.0, 0.01 * 40.0 * 4.0);  // a hundredth of a pixel along the sides
+  EXPECT_NEAR(1.0 / mask.grey_step, 230.0 - 20.0, 5.0);
+}
+
 TEST_P(EveryMethod, EmptyViewHasNoTarget) {
   GreyImage image(320, 240, kBackgroundGrey);
   EXPECT_FALSE(run(image).visible);

@@ -114,6 +114,16 @@ TEST(Exposure, ImageIsTheMeanOfSharpOnesRoundedOnce) {
   EXPECT_NEAR(sum / values, expected / values, 4.0 * std::sqrt((1.0 + 1.0 / 12.0) / values));  // four standard errors
 }
 
+TEST(Exposure, DitherIsNoiseOfHalfAGreyLevelUnlessThereIsMore) {
+  const auto image = [](const std::string& keys) {
+    Simulation simulation = moving(kBlur + keys);
+    return frameOne(simulation);
+  };
+  EXPECT_EQ(image(", dither: true"), image(", noise_stddev: 0.5"));
+  EXPECT_EQ(image(", dither: true, noise_stddev: 2.0"), image(", noise_stddev: 2.0"));
+  EXPECT_NE(image(", dither: true"), image(""));
+}
+
 TEST(Exposure, NothingThatMovesNoPastOrNoFrameIsSharp) {
   Simulation sharp = moving(""), blurred = moving(kBlur);
   EXPECT_EQ(blurred.render(0).data, sharp.render(0).data);  // t = 0
