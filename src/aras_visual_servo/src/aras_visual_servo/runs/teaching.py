@@ -88,6 +88,8 @@ class Teaching:
             del self._q[0], self._views[0]
 
     def _sure(self):
+        if self._moved and len(self._views) < FEW:  # one of many short parts may scatter little by chance
+            return False
         config, root = self._servo.config, len(self._views) ** 0.5 * (1.0 if len(self._views) >= FEW else VANISHING)
         values, poses = self._servo.goal.errors(self._views)
         if not (np.std(values, axis=0) / root < PART * np.array(config.thresholds)).all():
