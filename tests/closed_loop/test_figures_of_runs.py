@@ -6,6 +6,7 @@ import pathlib
 import re
 import sys
 
+import numpy as np
 import pytest
 
 import aras_visual_servo as avs
@@ -99,7 +100,8 @@ def test_where_the_reach_ends_the_status_says_so(task):
     height_mm = 1e3 * record.X_WC[record.servo_rows, 2, 3]
     status = record.status[record.servo_rows][height_mm < height_mm.min() + NEAR_MM]
     assert len(status) > 100, "the arm does not stay at its lowest place"
-    assert (status == avs.Status.NEAR_SINGULARITY).mean() >= 0.1 * LEAST_OF_TEN
+    told = np.isin(status, (avs.Status.NEAR_SINGULARITY, avs.Status.OUT_OF_REACH))
+    assert told.mean() >= 0.1 * LEAST_OF_TEN
 
 
 WORKSPACE = pathlib.Path(__file__).resolve().parents[2]

@@ -1,4 +1,4 @@
-"""A run says CONVERGED when the camera is where it was taught, and SETTLED with what is not known where it cannot tell."""
+"""A run says CONVERGED when the camera is where it was taught; where it cannot tell, SETTLED and what is not known."""
 
 import numpy as np
 import pytest

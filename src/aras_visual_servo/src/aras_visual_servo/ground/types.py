@@ -222,8 +222,8 @@ VIEW_FIELDS = ("xn", "yn", "an", "alpha", "z_star_m", "area_star")
 #: ... and the followed points and the kernel projections, where there are any.
 VIEW_POINTS = ("point_x", "point_y", "point_z", "ray_x", "ray_y", "ray_z", "kernel_x", "kernel_y")
 _VIEW, _WHERE_KNOWN = ("m", "mu", *VIEW_FIELDS), (*VIEW_POINTS, "edge_stddev")
-_OPTIONAL: Dict[str, Any] = {"ambiguous": False, "reference_stamp_ns": -1, "depth_fault": "", "age_s": nan, "edge_stddev": nan,
-                             **dict.fromkeys(VIEW_POINTS, ())}
+_OPTIONAL: Dict[str, Any] = {"ambiguous": False, "reference_stamp_ns": -1, "depth_fault": "", "age_s": nan,
+                             "edge_stddev": nan, **dict.fromkeys(VIEW_POINTS, ())}
 
 
 def _view(source, faults):

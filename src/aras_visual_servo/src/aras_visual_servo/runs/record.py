@@ -15,7 +15,7 @@ from ..ground.errors import ShapeError
 from ..ground.images import eight_bit
 from ..ground.types import FEATURE_NAMES, FINAL
 from ..spatial import inverse, mean_pose, plane_depth, rotation_angle
-from .teaching import still
+from .settings import still
 
 TWIST_NAMES = ("vx", "vy", "vz", "wx", "wy", "wz")
 RAW_NAMES = ("area", "xg", "yg", "alpha")
@@ -128,8 +128,8 @@ class RunRecord:
 
     @cached_property
     def taught_rows(self) -> np.ndarray:
-        """Rows of the images whose mean is the taught view: (j,) int. `runs.teaching` leaves out those before the camera
-        was still."""
+        """Rows of the images whose mean is the taught view: (j,) int. `runs.teaching` leaves out those of before the
+        camera was still."""
         rows, judge = self.rows("teach"), self.settings.get("experiment", {}).get("judge")
         if judge is None or not len(rows):
             return rows

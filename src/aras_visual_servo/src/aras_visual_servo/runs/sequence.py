@@ -24,8 +24,9 @@ from .settings import ExperimentSettings
 from .teaching import Teaching
 
 
-#: While the goal is taught and after the end the joints are held where they are: each velocity is this times the way back [1/s]. Set-points that stand
-#: still would not do, since the integrators of joint controllers go on working off friction.
+#: While the goal is taught and after the end the joints are held where they are: each velocity is this times the way
+#: back [1/s]. Set-points that stand still would not do, since the integrators of joint controllers go on working off
+#: friction.
 HOLD_PER_S = 2.0
 #: Ends after which that is done.
 HELD = (Status.CONVERGED, Status.SETTLED, Status.STOPPED_BY_RULE)
@@ -125,8 +126,8 @@ class ExperimentSequence:
         self.servo.set_reference(self._teaching.reference)
 
     def step(self, observation: Observation) -> Tuple[Command, ServoRecord]:
-        """Answers to one image. Idle and done: an empty command (pure acknowledgement, set-points hold); after the servo
-        has arrived, velocities that hold the joints where they were (`HOLD_PER_S`)."""
+        """Answers to one image. Idle and done: an empty command (pure acknowledgement, set-points hold); after the
+        servo has arrived, velocities that hold the joints where they were (`HOLD_PER_S`)."""
         stamp_ns = observation.stamp_ns
         if self.phase in ("idle", "done"):
             text = self.phase if self.result is None else self.result.reason

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from math import radians
 from typing import Any, Dict, Iterator, Optional, Tuple
 
 import numpy as np
@@ -12,7 +13,6 @@ from ..config.reader import Names, read
 from ..config.settings import setting
 from ..ground.errors import ParameterError
 from ..spatial import pose_from_rpy
-from .teaching import still
 
 
 @dataclass(frozen=True)
@@ -77,6 +77,11 @@ class JudgeSettings:
     y_mm: float = setting(unit="mm", above=0, help="Along y of the goal camera.")
     z_mm: float = setting(unit="mm", above=0, help="Along z of the goal camera.")
     angle_deg: float = setting(unit="deg", above=0, help="Angle of the rotation that is left.")
+
+
+def still(x_mm: float, y_mm: float, z_mm: float, angle_deg: float) -> Tuple[float, float]:
+    """By how much the camera may move while a view is taught: a tenth of what the judge allows [m, rad]."""
+    return 1e-4 * min(x_mm, y_mm, z_mm), 0.1 * radians(angle_deg)
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ The first image is the reference of the camera. Where it is noisy, the features 
 with its own while the arm rests. Images without noise need two, the second of which shows that there is none.
 """
 
-from math import degrees, radians
+from math import degrees
 from typing import Any, Optional, Tuple
 
 import numpy as np
@@ -21,11 +21,6 @@ PART, PLACE_M = 0.1, 2e-6
 STILL = 0.25
 #: The scatter of fewer images than FEW is small by chance; they are enough where it is as small as VANISHING of that.
 FEW, VANISHING = 10, 0.1
-
-
-def still(x_mm: float, y_mm: float, z_mm: float, angle_deg: float) -> Tuple[float, float]:
-    """By how much the camera may move while a view is taught: a tenth of what the judge allows [m, rad]."""
-    return 1e-4 * min(x_mm, y_mm, z_mm), 0.1 * radians(angle_deg)
 
 
 class Teaching:

@@ -95,8 +95,8 @@ class StopRule:
         self._hold_ns, self._follows, self._between = round(1e9 * hold_s), follows, between
         kept_ns = self._hold_ns if follows else max(self._hold_ns, round(1e9 * AVERAGED_S))
         self._images = Arrival(thresholds, self._hold_ns, kept_ns, settings.position_m, settings.rotation_rad,
-                               settings.tilt_rad, SURE, taught_images, *((np.zeros((6, 6)), np.eye(6)[None])
-                               if goal is None else (goal.edges, goal.planes)))
+                               settings.tilt_rad, SURE, taught_images,
+                               *((np.zeros((6, 6)), np.eye(6)[None]) if goal is None else (goal.edges, goal.planes)))
         self._goal_edge = nan if goal is None else goal.edge_stddev
         self._of_features = () if goal is None else tuple((goal.of_features / np.array(thresholds)).tolist())
         self._last_ns = self._since_ns = self._settled_ns = None

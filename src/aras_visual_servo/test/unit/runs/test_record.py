@@ -7,10 +7,11 @@ import pytest
 from bench import Bench
 from synthetic import blob, IMAGE_PERIOD_NS, make_record
 
-from aras_visual_servo import (Features, measures, MEASURES, Outline, ParameterError, RecordBuilder, ServoRecord, ShapeError,
-                               Status)
+from aras_visual_servo import (Features, measures, MEASURES, Outline, ParameterError, RecordBuilder, ServoRecord,
+                               ShapeError, Status)
 from aras_visual_servo.runs.measures import distance_from_segment
-from aras_visual_servo.runs.teaching import FEW, still, Teaching
+from aras_visual_servo.runs.settings import still
+from aras_visual_servo.runs.teaching import FEW, Teaching
 from aras_visual_servo.spatial import plane_depth, rotation
 
 
