@@ -85,7 +85,9 @@ def transform(R: np.ndarray, p: Union[np.ndarray, Sequence[float]]) -> np.ndarra
 
 
 def mean_pose(poses: np.ndarray) -> np.ndarray:
-    """The mean, (4, 4), of poses that are close to each other, (N, 4, 4)."""
+    """The mean, (4, 4), of poses that are close to each other, (N, 4, 4); NaN where one of them has NaN."""
+    if not np.isfinite(poses).all():
+        return np.full((4, 4), np.nan)
     if (poses == poses[0]).all():
         return poses[0]
     U, _, Vt = np.linalg.svd(poses[:, :3, :3].mean(axis=0))

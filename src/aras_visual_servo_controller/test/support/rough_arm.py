@@ -77,6 +77,7 @@ class RoughRun:
 
     def __init__(self, scenario, roughness, **real):
         self.loop = ServoLoop(scenario)
+        self.loop.sequence.holds = False
         self.sim, kinematics = self.loop.sim, self.loop.kinematics
         settings = {"command_period_s": roughness.command_period_s, "controller": "arm", **real}
         self.settings = RealSettings.from_dict(settings, kinematics.joint_names)

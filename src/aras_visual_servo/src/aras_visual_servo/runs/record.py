@@ -131,7 +131,7 @@ class RunRecord:
         """Rows of the images whose mean is the taught view: (j,) int. `runs.teaching` leaves out those of before the
         camera was still."""
         rows, judge = self.rows("teach"), self.settings.get("experiment", {}).get("judge")
-        if judge is None or not len(rows):
+        if judge is None or not len(rows) or not np.isfinite(self.X_WC[rows]).all():
             return rows
         still_m, still_rad = still(**judge)
         away = [inverse(self.X_WC[rows[-1]]) @ X for X in self.X_WC[rows]]

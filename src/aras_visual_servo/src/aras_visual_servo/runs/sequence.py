@@ -28,6 +28,8 @@ from .teaching import Teaching
 #: back [1/s]. Set-points that stand still would not do, since the integrators of joint controllers go on working off
 #: friction.
 HOLD_PER_S = 2.0
+#: A joint that is farther than this from where it is held is moved by somebody else, and is let go [m, rad].
+STRAY = 0.005
 #: Ends after which that is done.
 HELD = (Status.CONVERGED, Status.SETTLED, Status.STOPPED_BY_RULE)
 
@@ -48,6 +50,8 @@ class ExperimentSequence:
 
     Attributes:
         kinematics, servo: as given.  phase: one of types.PHASES.  result: `SequenceResult`, None until done.
+        holds: whether the joints are held by velocities while a goal is taught and after the end; an arm whose own
+            controllers hold it needs none.
         teach_stamp_ns: stamp of the image that was taught, or None.  servo_stamp_ns: that of the first servo image.
     """
 
@@ -67,7 +71,7 @@ class ExperimentSequence:
                        else ExperimentSettings.from_dict(config, kinematics))
         self.kinematics, self.servo, self._teach_camera = kinematics, servo, teach_camera
         self._no_velocity = dict.fromkeys(kinematics.joint_names, 0.0)
-        self._n = len(kinematics.joint_names)
+        self._n, self.holds = len(kinematics.joint_names), True
         self._nans, self._no_features = np.full(self._n, nan), np.full(len(servo.feature_names), nan)
         self._reset("idle")
 
@@ -146,12 +150,16 @@ class ExperimentSequence:
     def hold(self, observation: Observation) -> Command:
         """Velocities that hold the joints where they were in the first image of a view that is being taught, or in that
         with which the servo arrived; an empty command where there is neither."""
-        if self._held_q is None:
+        if self._held_q is None or not self.holds:
             return Command(observation.stamp_ns)
         q = self.kinematics.vector(observation.q)
         if q.shape != (self._n,) or not isfinite(sum(q.tolist())):
             return Command(observation.stamp_ns, velocity=dict(self._no_velocity))
-        q_dot = HOLD_PER_S * self.kinematics.way(q, self._held_q)
+        way = self.kinematics.way(q, self._held_q)
+        if np.abs(way).max() > STRAY:
+            self._held_q = None
+            return Command(observation.stamp_ns, velocity=dict(self._no_velocity))
+        q_dot = HOLD_PER_S * way
         return Command(observation.stamp_ns, velocity=self.kinematics.by_name(q_dot))
 
     def stop(self, stamp_ns: int, reason: str = "stopped") -> Tuple[Command, ServoRecord]:
@@ -236,11 +244,14 @@ class ExperimentSequence:
             return self._end(stamp_ns, Status.FAULT, f"teach: {error}")
         if first:
             self.teach_stamp_ns = stamp_ns
-        command = Command(stamp_ns, velocity=dict(self._no_velocity)) if taught else self.hold(observation)
-        record = self._record(stamp_ns, self.kinematics.vector(command.velocity), "teach")
+        if not self.holds:
+            answer = self._follow(stamp_ns)
+        else:
+            command = Command(stamp_ns, velocity=dict(self._no_velocity)) if taught else self.hold(observation)
+            answer = command, self._record(stamp_ns, self.kinematics.vector(command.velocity), "teach")
         if taught:
             self.phase, self._trajectory = "to_start", None
-        return command, record
+        return answer
 
     def _servo_step(self, observation, q):
         command, record = self.servo.step(observation, self._dt_s, q)

@@ -7,7 +7,7 @@ from toy_plant import arm, Camera, GOAL, PERIOD_NS, pose_error, START
 
 from aras_visual_servo import ExperimentSequence, FEATURE_NAMES, Observation, ParameterError, Servo, StampPairer, Status
 from aras_visual_servo.ground.types import PHASES
-from aras_visual_servo.runs.sequence import HOLD_PER_S
+from aras_visual_servo.runs.sequence import HOLD_PER_S, STRAY
 
 FINAL_POSITION_M = 1e-5  # wanted; thresholds of 1 um leave below 2 um
 EXPERIMENT = {"goal": {"joints": GOAL}, "start": {"joints": START}, "z_star_m": 0.5934, "settle_s": 0.5,
@@ -126,9 +126,14 @@ def test_finished_sequence_holds_the_joints_where_the_servo_arrived():
     assert command.position == {}
     back = HOLD_PER_S * (last.q - record.q)  # to where the joints were when the servo arrived
     np.testing.assert_allclose([command.velocity[name] for name in last.joint_names], back, atol=1e-12)
-    stage.set_point += 0.01
+    held = last.q.copy()
+    stage.set_point = held + 0.9 * STRAY
     command, _ = stage.step()
-    np.testing.assert_allclose(list(command.velocity.values()), -0.01 * HOLD_PER_S, atol=1e-4)
+    np.testing.assert_allclose(list(command.velocity.values()), -0.9 * STRAY * HOLD_PER_S, atol=1e-9)
+    stage.set_point = held + 1.1 * STRAY  # somebody else moves the arm
+    assert set(stage.step()[0].velocity.values()) == {0.0}
+    stage.set_point = held.copy()
+    assert stage.step()[0].velocity == {}
     assert (record.phase, record.status) == ("done", Status.CONVERGED)
 
 

@@ -28,6 +28,7 @@ class RealControllerNode(ControllerNode):
 
     def _read_parameters(self):
         super()._read_parameters()
+        self._sequence.holds = False  # its own controllers do, and others may drive it when a goal has ended
         parameters = Parameters()
         section = parameters.section("real", required=False)
         parameters.check()

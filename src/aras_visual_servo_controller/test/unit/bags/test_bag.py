@@ -61,8 +61,8 @@ def test_images_of_a_bayer_pattern_are_decoded_and_others_refused_by_name():
     message = image_message(np.kron(np.ones((4, 4), np.uint8), np.uint8([[200, 90], [90, 30]])), rospy.Time(1.0),
                             "bayer_rggb8", 3)
     assert (image_of(message) == [200, 90, 30]).all() and image_of(message).shape == (8, 8, 3)
-    message.encoding = "bgra16"
-    with pytest.raises(ShapeError, match="found 'bgra16', allowed rgb8 | bgr8 .* bayer_grbg8"):
+    message.encoding = "32FC1"
+    with pytest.raises(ShapeError, match="found '32FC1', allowed rgb8 | bgr8 .* bayer_grbg8"):
         image_of(message)
 
 
