@@ -112,7 +112,7 @@ Arrival::Place Arrival::place(std::int64_t stamp_ns, const Eigen::Ref<const Vect
   }
   const auto count = static_cast<double>(near.size());
   mean /= count;
-  const double parts = sure_ * sure_ * (1.0 / count + 1.0 / taught_images_) / count;
+  const double of_mean = sure_ * sure_ / count / count, of_goal = sure_ * sure_ / taught_images_ / count;
 
   Place place{0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
   for (std::size_t k = 0; k < model_.planes.size(); ++k) {
@@ -120,12 +120,12 @@ Arrival::Place Arrival::place(std::int64_t stamp_ns, const Eigen::Ref<const Vect
     const auto through = [&](const Vector6& pose) { return k == 0 ? pose : transformed(plane, pose); };
     Vector6 scatter = Vector6::Zero();
     for (const Seen* seen : near) scatter += through(seen->off - mean).cwiseAbs2();
-    const Vector6 noise = parts * scatter;
+    const Vector6 noise = of_mean * scatter;
     // What differs between images of one place is noise, and so are the steps of grey levels then.
     const Vector6 edges =
         sure_ * sure_ *
         (edge_variance * varianceThrough(plane, model_.edges) - 0.5 * scatter / count).cwiseMax(Vector6::Zero());
-    const Vector6 limits_met = edges.cwiseSqrt();
+    const Vector6 fixed = edges + of_goal * scatter, limits_met = fixed.cwiseSqrt();
     place.open = std::max(
         {place.open, positionOf(limits_met) / limits_.position_m, rotationOf(limits_met) / limits_.rotation_rad});
     for (const Seen& seen : seen_) {
@@ -134,7 +134,7 @@ Arrival::Place Arrival::place(std::int64_t stamp_ns, const Eigen::Ref<const Vect
       const double off = std::max(positionOf(where) / limits_.position_m, rotationOf(where) / limits_.rotation_rad);
       place.off = std::max(place.off, off);
       const Vector6 by_images = (where.cwiseAbs2() + noise).cwiseSqrt();
-      const Vector6 farthest = (where.cwiseAbs2() + noise + edges).cwiseSqrt();
+      const Vector6 farthest = (where.cwiseAbs2() + noise + fixed).cwiseSqrt();
       const double position_m = positionOf(farthest), rotation_rad = rotationOf(farthest);
       place.known = std::max({place.known, position_m / limits_.position_m, rotation_rad / limits_.rotation_rad});
       if (&seen == &seen_.back()) {

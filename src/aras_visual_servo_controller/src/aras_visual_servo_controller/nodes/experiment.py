@@ -201,6 +201,7 @@ class ExperimentNode:
                                f"{self._status.held_by or 'nobody'}")
         if lockstep:
             self._wait("the answer to the last image", lambda: [] if self._answered() else ["a later time"], 10.0)
+            self._let_it_end()
         self._pause()
         wall_s = now_s - started_s
         if self._recording is not None and self._drawing is not None:
@@ -252,12 +253,25 @@ class ExperimentNode:
         """Whether the simulator has the command that ends the servo, which may come after the result."""
         return self._done_ns is not None and self._status.header.stamp.to_nsec() > self._done_ns
 
-    def _close_run(self):
-        """Step the paused simulator to exactly CLOSING_S after the end of the servo.
+    def _let_it_end(self):
+        """Wait until the simulator pauses by itself, CLOSING_S after the end of the servo, as the controller told it to.
 
-        At which tick our pause came is chance. The goal has let the controller tell the simulator to pause at that end
-        by itself, so our pause is never too late; where it came earlier, this step does the rest. Without both the
-        recorded run, and its hash, would end anywhere.
+        Until then the controller holds the arm, in lockstep: a step of the paused simulator would not wait for it.
+        """
+        end_ns, last_ns, moved_s = self._done_ns + round(CLOSING_S * 1e9), 0, time.monotonic()
+        while last_ns < end_ns and time.monotonic() - moved_s < self._stall_timeout_s:
+            check_signals()
+            if rospy.is_shutdown():
+                raise RunError("shut down before the end")
+            time.sleep(POLL_S)
+            now_ns = self._status.header.stamp.to_nsec()
+            if now_ns != last_ns:
+                last_ns, moved_s = now_ns, time.monotonic()
+
+    def _close_run(self):
+        """Step the paused simulator to exactly CLOSING_S after the end of the servo, where it has not come there itself.
+
+        Without this the recorded run of a controller that has died, and its hash, would end anywhere.
         """
         end_ns = self._done_ns + round(CLOSING_S * 1e9)
         period_ns = round(self._scenario.sim.get("period_s", default_of("sim.period_s")) * 1e9)
