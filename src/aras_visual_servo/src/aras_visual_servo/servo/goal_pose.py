@@ -70,6 +70,8 @@ class GoalPose:
             if inverse is None:
                 return
             changes = edge_changes(features, view)
+            if not np.isfinite(changes).all():
+                return
             off = inverse @ changes
             if len(changes) == len(self.of_features) and self._L is not None:
                 self.of_features = np.sqrt(np.sum(changes**2, axis=1))
@@ -85,7 +87,8 @@ class GoalPose:
         seen = inverse @ other
         if not self._sees_tilt:
             seen[:, TILT_COLUMNS] += np.eye(6)[:, TILT_COLUMNS] - inverse @ L[:, TILT_COLUMNS]
-        return np.linalg.inv(seen) if np.linalg.cond(seen) < MAX_CONDITION else np.eye(6)
+        usable = np.isfinite(seen).all() and np.linalg.cond(seen) < MAX_CONDITION
+        return np.linalg.inv(seen) if usable else np.eye(6)
 
     def of(self, e: np.ndarray, tilt: Optional[Sequence[float]]) -> Optional[np.ndarray]:
         """Returns the displacement, (6,), or None where it cannot be told.
@@ -104,7 +107,7 @@ class GoalPose:
         Args: jacobian: (6, n) J_BC_C at the goal.  length_m: that translations are compared with rotations by, such
             as the depth of the target [m].  tilt_held: rotations about x and y are known from the joints.
         """
-        if self._L is None:
+        if self._L is None or not np.isfinite(self._L).all():
             return ()
         scale = np.array([1.0 / length_m] * 3 + [1.0] * 3)
         U, sigmas, _ = np.linalg.svd(scale[:, None] * jacobian, full_matrices=False)
@@ -119,6 +122,8 @@ class GoalPose:
 
 def _inverse(L: np.ndarray, sees_tilt: bool) -> Optional[np.ndarray]:
     """(6, k) from errors to displacements; None where the matrix has no usable inverse."""
+    if not np.isfinite(L).all():
+        return None
     U, sigmas, Vt = np.linalg.svd(L if sees_tilt else L[:, OTHER_COLUMNS], full_matrices=False)
     if not sigmas[0] < MAX_CONDITION * sigmas[-1]:
         return None
