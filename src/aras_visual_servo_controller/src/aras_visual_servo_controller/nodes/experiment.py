@@ -254,7 +254,7 @@ class ExperimentNode:
         return self._done_ns is not None and self._status.header.stamp.to_nsec() > self._done_ns
 
     def _let_it_end(self):
-        """Wait until the simulator pauses by itself, CLOSING_S after the end of the servo, as the controller told it to.
+        """Wait until the simulator pauses by itself, CLOSING_S after the end of the servo, as the controller told it.
 
         Until then the controller holds the arm, in lockstep: a step of the paused simulator would not wait for it.
         """
@@ -269,7 +269,7 @@ class ExperimentNode:
                 last_ns, moved_s = now_ns, time.monotonic()
 
     def _close_run(self):
-        """Step the paused simulator to exactly CLOSING_S after the end of the servo, where it has not come there itself.
+        """Step the paused simulator to exactly CLOSING_S after the end of the servo, where it has not come there.
 
         Without this the recorded run of a controller that has died, and its hash, would end anywhere.
         """
