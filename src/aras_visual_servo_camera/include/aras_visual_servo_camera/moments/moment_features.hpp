@@ -112,8 +112,8 @@ class FeatureBuilder {
 #define ARAS_MOMENT_FIELDS(DO) \
   DO(target_visible) DO(touches_border) DO(symmetric) DO(has_reference) DO(valid) DO(ambiguous) \
   DO(components) DO(area) DO(xg) DO(yg) DO(alpha) DO(xn) DO(yn) DO(an) DO(z_star_m) DO(area_star) \
-  DO(reference_stamp_ns) DO(orientation_condition) DO(asymmetry) DO(edge_stddev) DO(moment_names) DO(m) DO(mu) DO(point_x) \
-  DO(point_y) DO(point_z) DO(depth_fault) DO(ray_x) DO(ray_y) DO(ray_z) DO(kernel_x) DO(kernel_y)
+  DO(reference_stamp_ns) DO(orientation_condition) DO(asymmetry) DO(edge_stddev) DO(moment_names) DO(m) DO(mu) \
+  DO(point_x) DO(point_y) DO(point_z) DO(depth_fault) DO(ray_x) DO(ray_y) DO(ray_z) DO(kernel_x) DO(kernel_y)
 // clang-format on
 
 }  // namespace aras_visual_servo_camera

@@ -18,25 +18,6 @@ constexpr double kMoved = 0.05;       // what the object must have moved by for 
 
 bool isPartly(double weight) { return weight > kPartly && weight < 1.0 - kPartly; }
 
-/** Calls with the weight of each partly covered pixel, of which there is a whole run where neighbours on the right or
- * below differ by less than this. */
-template <typename F>
-void forEachRun(const std::vector<EdgePixel>& edge, double less_than, F take) {
-  std::size_t below = 0;
-  const auto alike = [&](const EdgePixel& a, const EdgePixel& b) { return std::abs(a.weight - b.weight) < less_than; };
-  for (std::size_t k = 0; k < edge.size(); ++k) {
-    const EdgePixel& pixel = edge[k];
-    if (!isPartly(pixel.weight)) continue;
-    const auto before = [&](const EdgePixel& other) {
-      return other.v < pixel.v + 1 || (other.v == pixel.v + 1 && other.u < pixel.u);
-    };
-    while (below < edge.size() && before(edge[below])) ++below;
-    const bool right = k + 1 < edge.size() && edge[k + 1].v == pixel.v && edge[k + 1].u == pixel.u + 1;
-    const bool under = below < edge.size() && edge[below].v == pixel.v + 1 && edge[below].u == pixel.u;
-    if (!(right && alike(pixel, edge[k + 1])) && !(under && alike(pixel, edge[below]))) take(pixel.weight);
-  }
-}
-
 }  // namespace
 
 void EdgeStep::forget() { *this = EdgeStep(); }
@@ -44,16 +25,38 @@ void EdgeStep::forget() { *this = EdgeStep(); }
 double EdgeStep::process(const ObjectMask& mask, int objects) {
   if (!mask.visible) return std::numeric_limits<double>::quiet_NaN();
   if (!mask.soft_edges) return kMost;
-  take(mask);
+  compare(mask.edge);
+  if (hasMoved(mask)) take();
   const double step = std::max(gap(), mask.grey_step), sides = kSides * std::max(objects, 1);
-  double runs = 0.0;
-  forEachRun(mask.edge, 0.5 * step, [&](double) { runs += 1.0; });
+  const auto ends = [step](const Partly& pixel) { return pixel.difference >= 0.5 * step; };
+  const auto runs = static_cast<double>(std::count_if(pixels_.begin(), pixels_.end(), ends));
   const double alike = std::sqrt(std::min(1.0, sides / std::max(runs, 1.0)));
   return step * alike * (kOfUniform + (kMost - kOfUniform) * alike);
 }
 
+void EdgeStep::compare(const std::vector<EdgePixel>& edge) {
+  pixels_.clear();
+  std::size_t below = 0;
+  for (std::size_t k = 0; k < edge.size(); ++k) {
+    const EdgePixel& pixel = edge[k];
+    if (!isPartly(pixel.weight)) continue;
+    const auto before = [&](const EdgePixel& other) {
+      return other.v < pixel.v + 1 || (other.v == pixel.v + 1 && other.u < pixel.u);
+    };
+    while (below < edge.size() && before(edge[below])) ++below;
+    double difference = std::numeric_limits<double>::infinity();
+    const auto compareWith = [&](std::size_t other, int v, int u) {
+      if (other < edge.size() && edge[other].v == v && edge[other].u == u)
+        difference = std::min(difference, std::abs(pixel.weight - edge[other].weight));
+    };
+    compareWith(k + 1, pixel.v, pixel.u + 1);
+    compareWith(below, pixel.v + 1, pixel.u);
+    pixels_.push_back({pixel.weight, difference});
+  }
+}
+
 // A camera at rest shows the same few weights again and again; they are counted once.
-void EdgeStep::take(const ObjectMask& mask) {
+bool EdgeStep::hasMoved(const ObjectMask& mask) {
   double area = 0.0, u = 0.0, v = 0.0;
   const auto add = [&](double weight, double at_u, double at_v) {
     area += weight;
@@ -62,16 +65,21 @@ void EdgeStep::take(const ObjectMask& mask) {
   };
   for (const Span& span : mask.spans) add(span.u_end - span.u_begin, 0.5 * (span.u_begin + span.u_end - 1), span.v);
   for (const EdgePixel& pixel : mask.edge) add(pixel.weight, pixel.u, pixel.v);
-  if (!(area > 0.0)) return;
+  if (!(area > 0.0)) return false;
   const std::array<double, 3> place{u / area, v / area, std::sqrt(area)};
   double way = 0.0;
   for (std::size_t i = 0; i < 3; ++i) way = std::max(way, std::abs(place[i] - last_[i]));
-  if (way < kMoved) return;
+  if (way < kMoved) return false;
   last_ = place;
-  forEachRun(mask.edge, 0.5 / kBins, [&](double weight) {
-    ++seen_[std::min(static_cast<int>(weight * kBins), kBins - 1)];
+  return true;
+}
+
+void EdgeStep::take() {
+  for (const Partly& pixel : pixels_) {
+    if (pixel.difference < 0.5 / kBins) continue;
+    ++seen_[std::min(static_cast<int>(pixel.weight * kBins), kBins - 1)];
     ++count_;
-  });
+  }
 }
 
 double EdgeStep::gap() const {

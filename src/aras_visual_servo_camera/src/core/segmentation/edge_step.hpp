@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <vector>
 
 #include "aras_visual_servo_camera/image/object_mask.hpp"
 
@@ -25,14 +26,25 @@ class EdgeStep {
  private:
   static constexpr int kBins = 32;
 
-  /** Takes in the weights of an image in which the object has moved. */
-  void take(const ObjectMask& mask);
+  /** A partly covered pixel, and the weight by which the more alike of its neighbours on the right and below differs
+   * from it. A run of pixels ends where that is large. */
+  struct Partly {
+    double weight, difference;
+  };
+
+  /** Sets pixels_. */
+  void compare(const std::vector<EdgePixel>& edge);
+  /** Whether the object has moved since this last said so. */
+  bool hasMoved(const ObjectMask& mask);
+  /** Counts the weights of pixels_, one of each run. */
+  void take();
   /** The widest interval of weights in which hardly any were seen so far; 0 while there were too few to tell. */
   double gap() const;
 
   std::array<std::size_t, kBins> seen_{};  // number of runs by their weight
-  std::array<double, 3> last_{};           // place and size of the object in the image taken in last [px]
+  std::array<double, 3> last_{};           // place and size of the object when it moved last [px]
   std::size_t count_ = 0;
+  std::vector<Partly> pixels_;  // of the image at hand
 };
 
 }  // namespace aras_visual_servo_camera

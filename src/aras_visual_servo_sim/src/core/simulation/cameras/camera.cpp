@@ -36,6 +36,12 @@ Sensor sensorOf(const CameraModel& model, int index, std::uint64_t seed) {
           integration_s,  seed,          pattern_seed,   model.fx()};
 }
 
+constexpr double kDither = 0.5;  // [grey levels]: the mean of rounded values is then right to a hundredth of a level
+
+double noiseOf(const CameraConfig& config) {
+  return config.dither ? std::max(config.noise_stddev, kDither) : config.noise_stddev;
+}
+
 }  // namespace
 
 Camera::Camera(CameraModel model, int robot, int link, int index, std::uint64_t seed, std::int64_t period_ns)
@@ -129,16 +135,6 @@ void Camera::note(Moment moment) {
   const std::int64_t frame_tick = plan_.tickFrom(moment.tick + 1);
   exposure_.note(std::move(moment), frame_tick);
 }
-
-namespace {
-
-constexpr double kDither = 0.5;  // [grey levels]: the mean of rounded values is then right to a hundredth of a level
-
-double noiseOf(const CameraConfig& config) {
-  return config.dither ? std::max(config.noise_stddev, kDither) : config.noise_stddev;
-}
-
-}  // namespace
 
 bool Camera::readsOut() const {
   const CameraConfig& config = model_.config();
