@@ -9,6 +9,7 @@ from ..arm.motion import ArmMotion
 from ..ground.types import FINAL, Status
 from .feature_filter import FeatureFilter
 from .goal import Goal
+from .goal_pose import LeftOpen
 from .stage import Stage, Tick
 from .stop_rule import StopRule, StopSettings
 
@@ -28,8 +29,9 @@ class Arrival(Stage):
     def __init__(self, goal: Goal, arm: ArmMotion, config: Any, tracker: Optional[FeatureFilter]) -> None:
         """Args: config: `ServoSettings`.  tracker: filters the features, or None."""
         images = goal.reference.images if goal.reference is not None and goal.source.averages else 1
+        left_open = LeftOpen() if goal.pose is None else goal.pose.left_open
         self.rule = StopRule(goal.features.names, config.thresholds, config.hold_s, config.stop, config.follows, images,
-                             goal.pose)
+                             left_open)
         self._goal, self._arm, self._config, self._tracker = goal, arm, config, tracker
         self.holds_tilt = config.tilt_gain_per_s > 0.0 and not goal.features.sees_tilt
         self._tells_displaced = not (config.follows or config.symmetric_target)

@@ -1,7 +1,8 @@
 """The pose that the errors of features stand for at the goal (T60), and what of it the features do not tell (T73)."""
 
-from math import cos, sin
-from typing import Any, List, Optional, Sequence, Tuple
+from functools import cached_property
+from math import cos, nan, sin
+from typing import Any, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -24,63 +25,80 @@ MOTIONS = ("translation along x", "translation along y", "translation along the 
 ALIKE = 0.02
 
 
-class GoalPose:
-    """From the error of the features to the displacement of the camera from the goal, (6,), [p_CgC; theta u] (T60).
+class LeftOpen(NamedTuple):
+    """What images of a goal do not tell of the displacement from it, however many there are (T73).
 
     Attributes:
-        edges: (6, 6) covariance of the displacement for an `edge_stddev` of 1.
-        of_features: (k,) standard deviation of each feature for an `edge_stddev` of 1.
         edge_stddev: of the taught view; NaN: not known.
+        edges: (6, 6) covariance of the displacement for an `edge_stddev` of 1.
+        of_features: (k,) standard deviation of each feature for an `edge_stddev` of 1; empty: not known.
         planes: (p, 6, 6), each from a displacement to what it would be if the target's plane lay otherwise, within
             the tolerance; the first is the identity.
     """
+
+    edge_stddev: float = nan
+    edges: np.ndarray = np.zeros((6, 6))
+    of_features: np.ndarray = np.zeros(0)
+    planes: np.ndarray = np.eye(6)[None]
+
+
+class GoalPose:
+    """From the error of the features to the displacement of the camera from the goal, (6,), [p_CgC; theta u] (T60)."""
 
     def __init__(self, features: FeatureSet, reference: Reference, point_depth: str = "plane",
                  normal_rad: float = 0.0) -> None:
         """Args: point_depth: of followed points (`LawSetup`).  normal_rad: by how much the target's plane may be
         inclined otherwise than it was taught."""
-        self._sees_tilt, self._inverse, self._with_tilt = features.sees_tilt, None, None
-        self._L: Optional[np.ndarray] = None
-        self.edges, self.planes = np.zeros((6, 6)), np.eye(6)[None]
-        self.of_features, self.edge_stddev = np.zeros(len(features)), float("nan")
+        self._features, self._sees_tilt, self._normal_rad = features, features.sees_tilt, normal_rad
+        self._view = self._L = self._inverse = self._with_tilt = None  # type: Any
         if reference.view is None or reference.plane_C is None:
             return
-        view, plane = whole(reference.view), reference.plane_C
-        self.edge_stddev = view.edge_stddev
         try:
-            depths = 1.0 / depths_in_image(view) if point_depth == "image" else None
-            self._L = L = features.matrix(View(view, plane, None, depths))
+            self._depths = 1.0 / depths_in_image(reference.view) if point_depth == "image" else None
+            self._view, self._plane = whole(reference.view), reference.plane_C
+            self._L = L = self._matrix(features, self._plane)
         except DegenerateFeature:
-            if len(view.point_x):  # a law that measures the pose, by the points
-                self._told_by(FeatureSet([f"points{len(view.point_x)}"]), view, plane, depths, normal_rad)
             return
         self._inverse = _inverse(L, self._sees_tilt)
-        if self._inverse is None:
-            return
-        self._told_by(features, view, plane, depths, normal_rad)
-        if not self._sees_tilt:
+        if self._inverse is not None and not self._sees_tilt:
             of_tilt = np.eye(6)[:, TILT_COLUMNS] - self._inverse @ L[:, TILT_COLUMNS]
             self._with_tilt = np.hstack([self._inverse, of_tilt])
 
-    def _told_by(self, features, view, plane, depths, normal_rad):
-        """Sets `edges` and `planes`."""
+    def _matrix(self, features, plane):
+        return features.matrix(View(self._view, plane, None, self._depths))
+
+    @cached_property
+    def left_open(self) -> LeftOpen:
+        """What images do not tell. Where a law measures the pose it is told by the points."""
+        view = self._view
+        if view is None:
+            return LeftOpen()
+        nothing, features, L, inverse = LeftOpen(view.edge_stddev), self._features, self._L, self._inverse
         try:
-            L = features.matrix(View(view, plane, None, depths))
-            inverse = _inverse(L, self._sees_tilt)
+            if L is None and len(view.point_x):
+                features = FeatureSet([f"points{len(view.point_x)}"])
+                L = self._matrix(features, self._plane)
+                inverse = _inverse(L, self._sees_tilt)
             if inverse is None:
-                return
+                return nothing
             changes = edge_changes(features, view)
-            if not np.isfinite(changes).all():
-                return
-            off = inverse @ changes
-            if len(changes) == len(self.of_features) and self._L is not None:
-                self.of_features = np.sqrt(np.sum(changes**2, axis=1))
-            self.edges = off @ off.T
-            if depths is None and normal_rad > 0.0:
-                others = [features.matrix(View(view, other)) for other in _inclined(view, plane, normal_rad)]
-                self.planes = np.array([np.eye(6), *(self._meant_by(inverse, L, other) for other in others)])
         except DegenerateFeature:
-            return
+            return nothing
+        if not np.isfinite(changes).all():
+            return nothing
+        off = inverse @ changes
+        of_features = np.sqrt(np.sum(changes**2, axis=1)) if self._L is not None else nothing.of_features
+        return LeftOpen(view.edge_stddev, off @ off.T, of_features, self._planes(features, L, inverse))
+
+    def _planes(self, features, L, inverse):
+        here = LeftOpen().planes
+        if self._depths is not None or not self._normal_rad > 0.0:
+            return here
+        try:
+            others = [self._matrix(features, other) for other in _inclined(self._view, self._plane, self._normal_rad)]
+        except DegenerateFeature:
+            return here
+        return np.array([*here, *(self._meant_by(inverse, L, other) for other in others)])
 
     def _meant_by(self, inverse, L, other):
         """(6, 6): from the displacement that errors stand for by L to the one that they stand for by matrix `other`."""

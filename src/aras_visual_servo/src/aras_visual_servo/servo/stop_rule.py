@@ -21,7 +21,7 @@ from typing import Optional, Sequence, Tuple
 import numpy as np
 
 from ..config.settings import setting
-from .goal_pose import GoalPose
+from .goal_pose import LeftOpen
 from .stage import UNKNOWN
 
 RULES = ("pose", "published")
@@ -83,11 +83,11 @@ class StopRule:
     """
 
     def __init__(self, names: Sequence[str], thresholds: Sequence[float], hold_s: float, settings: StopSettings,
-                 follows: bool, taught_images: int = 1, goal: Optional[GoalPose] = None) -> None:
+                 follows: bool, taught_images: int = 1, left_open: LeftOpen = LeftOpen()) -> None:
         """Args: names, thresholds: of the features. follows: the goal may move.
 
         taught_images: number of images whose mean is the goal: their noise counts too.
-        goal: tells what images leave open; None: nothing.
+        left_open: what images do not tell.
         """
         from .._kinematics import Arrival, between  # C++: not needed to describe the settings of this file
         self._names, self._thresholds, self._settings = names, thresholds, settings
@@ -95,10 +95,9 @@ class StopRule:
         self._hold_ns, self._follows, self._between = round(1e9 * hold_s), follows, between
         kept_ns = self._hold_ns if follows else max(self._hold_ns, round(1e9 * AVERAGED_S))
         self._images = Arrival(thresholds, self._hold_ns, kept_ns, settings.position_m, settings.rotation_rad,
-                               settings.tilt_rad, SURE, taught_images,
-                               *((np.zeros((6, 6)), np.eye(6)[None]) if goal is None else (goal.edges, goal.planes)))
-        self._goal_edge = nan if goal is None else goal.edge_stddev
-        self._of_features = () if goal is None else tuple((goal.of_features / np.array(thresholds)).tolist())
+                               settings.tilt_rad, SURE, taught_images, left_open.edges, left_open.planes)
+        self._goal_edge = left_open.edge_stddev
+        self._of_features = [stddev / most for stddev, most in zip(left_open.of_features.tolist(), thresholds)]
         self._last_ns = self._since_ns = self._settled_ns = None
         self.clear()
 

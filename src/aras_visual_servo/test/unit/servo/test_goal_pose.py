@@ -55,7 +55,7 @@ def test_one_of_the_planes_tells_the_true_displacement_of_a_target_inclined_othe
         normal = np.array([np.sin(NORMAL_RAD) * np.cos(way), np.sin(NORMAL_RAD) * np.sin(way), np.cos(NORMAL_RAD)])
         plane = plane_from_pose(normal, DEPTH_M * np.array([view.xg, view.yg, 1.0]))
         e = features.matrix(View(view, plane)) @ displacement
-        told = [plane @ pose.of(e, None) for plane in pose.planes]
+        told = [plane @ pose.of(e, None) for plane in pose.left_open.planes]
         nearest[way] = min(np.linalg.norm(one - displacement) for one in told[1:])
         assert np.linalg.norm(told[0] - displacement) > 1e-5
     assert max(nearest.values()) < 1e-9
@@ -64,14 +64,21 @@ def test_one_of_the_planes_tells_the_true_displacement_of_a_target_inclined_othe
 def test_the_covariance_of_points_is_that_of_their_pose():
     pose, features, view = goal(["points4"])
     inverse = np.linalg.pinv(features.matrix(View(view, (0.0, 0.0, 1.0 / DEPTH_M))))
-    np.testing.assert_allclose(pose.edges, inverse @ inverse.T, rtol=1e-6, atol=1e-9)
-    np.testing.assert_allclose(pose.of_features, 1.0, rtol=1e-6)
+    np.testing.assert_allclose(pose.left_open.edges, inverse @ inverse.T, rtol=1e-6, atol=1e-9)
+    np.testing.assert_allclose(pose.left_open.of_features, 1.0, rtol=1e-6)
 
 
 def test_a_pose_that_a_law_measures_is_known_as_its_points_are():
     measured, points = goal(["tx", "ty", "tz", "rx", "ry", "rz"])[0], goal(["points4"])[0]
-    np.testing.assert_allclose(measured.edges, points.edges)
+    np.testing.assert_allclose(measured.left_open.edges, points.left_open.edges)
     assert measured.of(np.zeros(6), None) is None
+
+
+def test_a_goal_whose_points_have_no_depths_leaves_all_unknown():
+    _, features, view = goal(["tx", "ty", "tz", "rx", "ry", "rz"])
+    reference = Reference(np.zeros(6), None, None, view, np.array([0.0, 0.0, 1.0 / DEPTH_M]))
+    pose = GoalPose(features, reference, "image")
+    assert pose.of(np.zeros(6), None) is None and not pose.left_open.edges.any() and len(pose.left_open.planes) == 1
 
 
 @pytest.mark.parametrize("outline, turns", [

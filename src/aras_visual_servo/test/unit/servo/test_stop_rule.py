@@ -8,8 +8,9 @@ from toy_plant import GOAL, PERIOD_NS, START
 from aras_visual_servo import (
     FEATURE_NAMES, FeatureSet, ParameterError, Reference, ServoSettings, ShapeError, Status, StopSettings)
 from aras_visual_servo._kinematics import Arrival, between
+from aras_visual_servo.servo.goal_pose import GoalPose
 from aras_visual_servo.servo.stages import CreepCompensation, FASTEST
-from aras_visual_servo.servo.stop_rule import GoalPose, StopRule
+from aras_visual_servo.servo.stop_rule import StopRule
 from aras_visual_servo.spatial import exponential, inverse, rotation, rotation_vector
 
 #: Of the shipped experiments.
