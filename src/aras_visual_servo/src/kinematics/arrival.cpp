@@ -114,13 +114,15 @@ Arrival::Place Arrival::place(std::int64_t stamp_ns, const Eigen::Ref<const Vect
   mean /= count;
   const double of_mean = sure_ * sure_ / count / count, of_goal = sure_ * sure_ / taught_images_ / count;
 
+  Matrix6 squares = Matrix6::Zero();
+  for (const Seen* seen : near)
+    for (int i = 0; i < 6; ++i)
+      for (int j = 0; j < 6; ++j) squares(i, j) += (seen->off[i] - mean[i]) * (seen->off[j] - mean[j]);
+
   Place place{0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
   for (std::size_t k = 0; k < model_.planes.size(); ++k) {
     const Matrix6& plane = model_.planes[k];
-    const auto through = [&](const Vector6& pose) { return k == 0 ? pose : transformed(plane, pose); };
-    Vector6 scatter = Vector6::Zero();
-    for (const Seen* seen : near) scatter += through(seen->off - mean).cwiseAbs2();
-    const Vector6 noise = of_mean * scatter;
+    const Vector6 scatter = varianceThrough(plane, squares), noise = of_mean * scatter;
     // What differs between images of one place is noise, and so are the steps of grey levels then.
     const Vector6 edges =
         sure_ * sure_ *
@@ -130,7 +132,7 @@ Arrival::Place Arrival::place(std::int64_t stamp_ns, const Eigen::Ref<const Vect
         {place.open, positionOf(limits_met) / limits_.position_m, rotationOf(limits_met) / limits_.rotation_rad});
     for (const Seen& seen : seen_) {
       if (seen.stamp_ns < stamp_ns - hold_ns_) continue;
-      const Vector6 where = through(mean + seen.moved);
+      const Vector6 where = transformed(plane, mean + seen.moved);
       const double off = std::max(positionOf(where) / limits_.position_m, rotationOf(where) / limits_.rotation_rad);
       place.off = std::max(place.off, off);
       const Vector6 by_images = (where.cwiseAbs2() + noise).cwiseSqrt();
