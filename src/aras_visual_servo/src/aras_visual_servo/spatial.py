@@ -84,6 +84,11 @@ def transform(R: np.ndarray, p: Union[np.ndarray, Sequence[float]]) -> np.ndarra
     return X
 
 
+def size_of(X: np.ndarray) -> Tuple[float, float]:
+    """How far a pose, (4, 4), is from the identity: (distance [m], angle [rad])."""
+    return float(np.linalg.norm(X[:3, 3])), rotation_angle(X[:3, :3])
+
+
 def mean_pose(poses: np.ndarray) -> np.ndarray:
     """The mean, (4, 4), of poses that are close to each other, (N, 4, 4); NaN where one of them has NaN."""
     if not np.isfinite(poses).all():

@@ -12,7 +12,7 @@ import numpy as np
 from .record import RunRecord
 from ..features.base import spread
 from ..ground.errors import ArasError
-from ..spatial import mean_pose, rotation_angle
+from ..spatial import inverse, mean_pose, rotation_angle
 from ..ground.types import FEATURE_NAMES, Status
 
 if TYPE_CHECKING:
@@ -127,8 +127,8 @@ def true_error(record: RunRecord, row: Any) -> Dict[str, float]:
     """
     if not record.eye_to_hand or record.target_poses is None:
         return pose_error(goal_pose(record, row), record.X_WC[row])
-    goal, here = (mean_pose(np.linalg.inv(record.X_WC[at]) @ record.target_poses[at])
-                  for at in (record.taught_rows, np.array([row])))
+    here, *taught = (inverse(record.X_WC[at]) @ record.target_poses[at] for at in (row, *record.taught_rows))
+    goal = mean_pose(np.array(taught))
     x_mm, y_mm, z_mm = (1e3 * (here[:3, 3] - goal[:3, 3])).tolist()
     return {"x_mm": x_mm, "y_mm": y_mm, "z_mm": z_mm,
             "angle_deg": math.degrees(rotation_angle(goal[:3, :3].T @ here[:3, :3]))}

@@ -14,7 +14,7 @@ import numpy as np
 from ..ground.errors import ShapeError
 from ..ground.images import eight_bit
 from ..ground.types import FEATURE_NAMES, FINAL
-from ..spatial import inverse, mean_pose, plane_depth, rotation_angle
+from ..spatial import inverse, mean_pose, plane_depth, size_of
 from .settings import still
 
 TWIST_NAMES = ("vx", "vy", "vz", "wx", "wy", "wz")
@@ -134,8 +134,8 @@ class RunRecord:
         if judge is None or not len(rows) or not np.isfinite(self.X_WC[rows]).all():
             return rows
         still_m, still_rad = still(**judge)
-        away = [inverse(self.X_WC[rows[-1]]) @ X for X in self.X_WC[rows]]
-        near = [np.linalg.norm(X[:3, 3]) <= still_m and rotation_angle(X[:3, :3]) <= still_rad for X in away]
+        away = [size_of(inverse(self.X_WC[rows[-1]]) @ X) for X in self.X_WC[rows]]
+        near = [moved_m <= still_m and turned_rad <= still_rad for moved_m, turned_rad in away]
         return rows[len(near) - near[::-1].index(False):] if False in near else rows
 
     @cached_property

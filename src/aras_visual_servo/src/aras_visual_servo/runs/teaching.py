@@ -12,7 +12,7 @@ import numpy as np
 from ..ground.errors import ParameterError
 from ..ground.types import JointPositions
 from ..servo.servo import Servo
-from ..spatial import inverse, rotation_angle
+from ..spatial import inverse, size_of
 
 #: Averaging ends when the standard error of the mean is below this part of every threshold: of the features and of the
 #: pose that they stand for. Where they stand for none, the place of the target is asked for to PLACE_M [m].
@@ -59,9 +59,10 @@ class Teaching:
             self._views.append(self._servo.source.kept(features))
             self._q.append(self._vector(q))
             self._leave_moved()
-        if self._tried >= self._most or len(self._views) > 1 and self._sure():
+        sure = len(self._views) > 1 and self._sure()
+        if sure or self._tried >= self._most:
             self.done = True
-            if self._moved and not (len(self._views) > 1 and self._sure()):
+            if self._moved and not sure:
                 moved_m, turned_rad = self._moved
                 raise ParameterError(f"the view to teach: the camera moves, by {1e3 * moved_m:.3g} mm and "
                                      f"{degrees(turned_rad):.3g} deg while it is taught, allowed "
@@ -71,15 +72,13 @@ class Teaching:
 
     def _leave_moved(self):
         """Leaves out the oldest images until the camera was near enough to where it is now in all that are left."""
-        pose = self._servo.goal.kinematics.pose
+        pose, (still_m, still_rad) = self._servo.goal.kinematics.pose, self._still
         X = inverse(pose(self._q[-1]))
         while len(self._q) > 1:
-            way = X @ pose(self._q[0])
-            moved = float(np.linalg.norm(way[:3, 3])), rotation_angle(way[:3, :3])
-            if moved[0] <= self._still[0] and moved[1] <= self._still[1]:
+            moved_m, turned_rad = size_of(X @ pose(self._q[0]))
+            if moved_m <= still_m and turned_rad <= still_rad:
                 return
-            first = pose(self._first_q)
-            self._moved = float(np.linalg.norm((X @ first)[:3, 3])), rotation_angle((X @ first)[:3, :3])
+            self._moved = size_of(X @ pose(self._first_q))
             del self._q[0], self._views[0]
 
     def _sure(self):
