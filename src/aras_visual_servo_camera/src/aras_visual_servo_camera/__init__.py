@@ -9,8 +9,8 @@ The attributes of `MomentFeatures` are the fields of aras_visual_servo_msgs/Mome
 
 from ._camera import (ArasError, DegenerateFeature, MatchExtractor, MatchFeatures, MomentExtractor, MomentFeatures,
                       NotFiniteError, ParameterError, PhotometricExtractor, PhotometricFeatures, ShapeError,
-                      TagExtractor, TagFeatures, image_info, in_rgb)
+                      TagExtractor, TagFeatures, image_info, in_rgb, undistort)
 
 __all__ = ["ArasError", "DegenerateFeature", "MatchExtractor", "MatchFeatures", "MomentExtractor", "MomentFeatures",
            "NotFiniteError", "ParameterError", "PhotometricExtractor", "PhotometricFeatures", "ShapeError",
-           "TagExtractor", "TagFeatures", "image_info", "in_rgb"]
+           "TagExtractor", "TagFeatures", "image_info", "in_rgb", "undistort"]

@@ -251,6 +251,22 @@ py::dict imageInfo(const py::dict& camera_info) {
   return out;
 }
 
+/** Normalised coordinates of pixel positions. */
+py::array_t<double> undistort(const py::dict& camera_info, const py::array_t<double, py::array::c_style>& pixels) {
+  const CameraIntrinsics image = readCameraInfo(aras_visual_servo_common::yamlFromPython(camera_info, "camera_info"));
+  if (pixels.ndim() != 2 || pixels.shape(1) != 2)
+    throw aras_visual_servo_common::ShapeError("pixels: allowed an array of shape (n, 2)");
+  py::array_t<double> out({pixels.shape(0), py::ssize_t{2}});
+  const auto uv = pixels.unchecked<2>();
+  auto xy = out.mutable_unchecked<2>();
+  for (py::ssize_t k = 0; k < pixels.shape(0); ++k) {
+    const auto ray = image.undistort(uv(k, 0), uv(k, 1));
+    xy(k, 0) = ray.valid ? ray.x : std::numeric_limits<double>::quiet_NaN();
+    xy(k, 1) = ray.valid ? ray.y : std::numeric_limits<double>::quiet_NaN();
+  }
+  return out;
+}
+
 PYBIND11_MODULE(_camera, module) {
   module.doc() = "C++ core of aras_visual_servo_camera.";
   aras_visual_servo_common::bindErrors(module);
@@ -266,6 +282,15 @@ Returns:
     A new dict in which width, height and K are those of the images, without binning_x, binning_y and roi.
 Raises:
     ParameterError: every fault of camera_info, one per line.)");
+  module.def("undistort", &undistort, py::arg("camera_info"), py::arg("pixels"),
+             R"(Normalised coordinates x = X/Z and y = Y/Z of positions in an image, the lens undone.
+
+Args:
+    camera_info: dict as the extractors take it.  pixels: (n, 2) u and v [px]; (0, 0) is the centre of the first pixel.
+Returns:
+    (n, 2) float64; NaN where no ray reaches the pixel or it is beyond the fold of the lens.
+Raises:
+    ParameterError: every fault of camera_info, one per line.  ShapeError: pixels of another shape.)");
   module.def("in_rgb", &inRgb, py::arg("image"), py::arg("encoding"),
              R"(The image of a camera as the extractors take it.
 

@@ -251,6 +251,26 @@ def test_image_info_is_that_of_the_images():
     assert camera.image_info(info) == info
 
 
+def test_pixels_have_the_coordinates_whose_projection_they_are():
+    D = [-0.3, 0.1, 0.001, -0.002, 0.02]
+    sensor = {**INFO, "K": [200.0, 0, 159.5, 0, 210.0, 119.5, 0, 0, 1], "D": D, "distortion_model": "plumb_bob"}
+    xy = np.array([[0.0, 0.0], [0.31, -0.22], [-0.5, 0.4]])
+    x, y = xy.T
+    r2 = x * x + y * y
+    radial = 1.0 + D[0] * r2 + D[1] * r2**2 + D[4] * r2**3
+    uv = np.c_[159.5 + 200.0 * (x * radial + 2.0 * D[2] * x * y + D[3] * (r2 + 2.0 * x * x)),
+               119.5 + 210.0 * (y * radial + D[2] * (r2 + 2.0 * y * y) + 2.0 * D[3] * x * y)]
+    np.testing.assert_allclose(camera.undistort(sensor, uv), xy, atol=ROUNDING)
+    binned = {**sensor, "binning_x": 2, "binning_y": 2}
+    np.testing.assert_allclose(camera.undistort(binned, (uv + 0.5) / 2.0 - 0.5), xy, atol=ROUNDING)
+    fisheye = {**sensor, "D": [0.0] * 4, "distortion_model": "equidistant"}
+    assert np.isnan(camera.undistort(fisheye, [[159.5 + 200.0 * 1.5, 119.5]])).all()  # 86 degrees off the axis
+    with pytest.raises(camera.ShapeError, match="n, 2"):
+        camera.undistort(sensor, [1.0, 2.0])
+    with pytest.raises(camera.ParameterError, match="camera_info"):
+        camera.undistort({**sensor, "K": [0.0] * 9}, uv)
+
+
 COLOUR = {"object": {"hue_deg": [340, 20]}, "segmentation": "coverage"}
 
 

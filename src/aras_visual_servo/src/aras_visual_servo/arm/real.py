@@ -32,6 +32,8 @@ class SetPoint(NamedTuple):
         position: (n,) set-points for a driver that takes positions [m, rad].
         velocity: (n,) velocities for a driver that takes velocities [m/s, rad/s]; 0 at rest.
         resting: the arm is to stand still.
+        twist: (6,) [v; w] of the camera that the velocities make [m/s, rad/s], along the axes of frame_id.
+        frame_id: name of the frame of the twist.
     """
 
     stamp_ns: int
@@ -39,12 +41,15 @@ class SetPoint(NamedTuple):
     position: Any
     velocity: Any
     resting: bool
+    twist: Any = (0.0,) * 6
+    frame_id: str = ""
 
 
 class Message(NamedTuple):
     """One message to publish: its topic, its type "package/Type", and its fields as plain values.
 
-    A field `header` holds the stamp [ns], a field whose name ends in `_s` of a trajectory point a duration [s].
+    A field `header` holds the stamp [ns], `frame_id` its frame, `twist` six numbers, a field whose name ends in `_s` of
+    a trajectory point a duration [s].
     """
 
     topic: str
@@ -57,12 +62,15 @@ def register_form(name: str) -> Callable[[Type[F]], Type[F]]:
     return FORMS.register(name, name=name)
 
 
-def make_form(settings: "RealSettings") -> "Form":
-    """Makes the `Form` that the settings name. Raises ParameterError: the settings have faults."""
+def make_form(settings: "RealSettings", output: str = "joints") -> "Form":
+    """Makes the `Form` that the settings name. Raises ParameterError: the settings have faults.
+
+    Args: output: `servo.output`; with `twist` the settings' command is not used.
+    """
     faults = faults_of(settings)
     if faults:
         raise ParameterError(faults)
-    return FORMS[settings.command](settings)
+    return Twist(settings) if output == "twist" else FORMS[settings.command](settings)
 
 
 class Form:
@@ -115,6 +123,15 @@ class Trajectory(Form):
         return [Message(f"{self._settings.controller}/command", "trajectory_msgs/JointTrajectory", fields)]
 
 
+class Twist(Form):
+    """The camera's twist, for a driver that has kinematics of its own: MoveIt Servo, ur_robot_driver, franka."""
+
+    def messages(self, point: SetPoint) -> List[Message]:
+        twist = [0.0] * 6 if point.resting else [float(value) for value in point.twist]
+        return [Message(self._settings.twist_topic, "geometry_msgs/TwistStamped",
+                        {"header": point.stamp_ns, "frame_id": point.frame_id, "twist": twist})]
+
+
 @dataclass(frozen=True)
 class WorkspaceSettings:
     """Section `real.workspace`: the box that the camera's optical centre stays in, in the robot's base."""
@@ -144,6 +161,13 @@ class RealSettings:
         {}, by="joint",
         help="With an empty `controller`: the controllers of the joints, by joint; without a name here it is "
              "JOINT_controller.")
+    twist_topic: str = setting(
+        "servo_server/delta_twist_cmds", not_empty=True,
+        help="With `servo.output: twist`: where the twists go (geometry_msgs/TwistStamped).")
+    twist_frame: str = setting(
+        "base", choices=("base", "camera"),
+        help="With `servo.output: twist`: the axes of the twist, those of `robot.base_link` or of `robot.tip_link`. It "
+             "is always the motion of the camera's optical centre.")
     command_period_s: float = setting(0.008, unit="s", above=0, help="Time between two commands to the arm.")
     ahead_s: float = setting(
         0.024, unit="s", above=0,

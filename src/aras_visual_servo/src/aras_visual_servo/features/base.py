@@ -27,6 +27,8 @@ FEATURES: Registry[Type["Feature"]] = Registry("features", __package__, f"{__pac
 FAMILIES: Registry[Type["Feature"]] = Registry("features", __package__, f"{__package__}.kinds")
 F = TypeVar("F", bound="Feature")
 T = TypeVar("T")
+#: Sources of points beside the moments.
+POINT_SOURCES = ("matches", "tag", "pose", "pose_with_covariance", "corners")
 _NUMBERED = re.compile(r"([a-z]+)([1-9][0-9]?)")
 
 

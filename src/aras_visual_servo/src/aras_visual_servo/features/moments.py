@@ -16,6 +16,8 @@ from ..palette import BLUE, BROWN, GREEN, NAVY, PURPLE, VERMILION, VIOLET
 class _Normalised(Feature):
     """xn, yn, an: the centroid times an, and the depth of the target as its area tells it (T4, T9) [m]."""
 
+    also_from = ("detections",)
+
     def value(self, view):
         return getattr(view.features, self.name)
 
@@ -44,6 +46,8 @@ class Alpha(Feature):
 
 class _Centroid(Feature):
     """x or y of the centroid (T2, T8) [-]."""
+
+    also_from = ("detections",)
 
     def value(self, view):
         return getattr(view.features, self.name)

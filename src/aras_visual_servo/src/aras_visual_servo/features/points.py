@@ -15,7 +15,7 @@ import numpy as np
 
 from ..ground.errors import DegenerateFeature
 from ..spatial import skew
-from .base import Feature, View, register_each
+from .base import POINT_SOURCES, Feature, View, register_each
 from ..palette import COOL, GREENS, PURPLES, WARM
 
 
@@ -89,7 +89,7 @@ DIRECTION = {"unit": "rad", "angle": True, "directed": True}
 
 
 class OfPoints(Feature):
-    sees_tilt, overlay, also_from = True, "points", ("matches", "tag")
+    sees_tilt, overlay, also_from = True, "points", POINT_SOURCES
 
     def _ends(self, view):
         """Indices of this point and of the next one. Raises DegenerateFeature: the view shows fewer points."""

@@ -5,12 +5,12 @@ have no rows (docs/theory.md T25, T30).
 """
 
 from ..ground.errors import DegenerateFeature
-from .base import Feature, register_each
+from .base import POINT_SOURCES, Feature, register_each
 from ..palette import BLUE, BROWN, GREEN, NAVY, PURPLE, VERMILION
 
 
 class _OfPose(Feature):
-    sees_tilt, overlay, also_from = True, "pose", ("matches", "tag")
+    sees_tilt, overlay, also_from = True, "pose", POINT_SOURCES
 
     def row(self, view):
         raise DegenerateFeature(f"{self.name}: this feature has no interaction row, allowed with the laws that measure "

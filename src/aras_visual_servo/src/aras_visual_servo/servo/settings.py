@@ -29,6 +29,7 @@ from .visibility import VisibilitySettings
 
 PATH = ("servo",)
 MODES = ("continuous", "look_then_move")
+OUTPUTS = ("joints", "twist")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,6 +45,10 @@ class ServoSettings(LawSetup):
     mode: str = setting(
         choices=MODES,
         help="`continuous`: a velocity for every image. `look_then_move`: one image, one move, settle, the next image.")
+    output: str = setting(
+        "joints", choices=OUTPUTS,
+        help="What a real arm is told: `joints` as `real.command` says, or `twist`, that of the camera, on "
+             "`real.twist_topic`. A simulated arm takes joints.")
     gains_per_s: Tuple[float, ...] = setting(
         unit="1/s", above=0, by="feature", not_empty=True,
         help="Rate at which each feature decays (`points4: 2.0` for all of four points); look_then_move: gain times "
@@ -169,6 +174,8 @@ class ServoSettings(LawSetup):
             yield "filter: found with point_depth: image, allowed with depths that can be foreseen: plane, goal"
         if self.mode != "look_then_move":
             return
+        if self.output != "joints":
+            yield f"output: found {self.output} with mode: look_then_move, allowed joints: it moves to positions"
         if law is not None and law.continuous_only:
             yield f"mode: found look_then_move, allowed with law '{self.law}': continuous"
         for key in ("filter", "feed_forward", "track", "stages", "visibility", "limits"):

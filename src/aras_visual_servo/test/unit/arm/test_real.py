@@ -48,7 +48,7 @@ def test_a_trajectory_has_one_point_ahead():
     ({"command_period_s": 0}, "command_period_s: found 0, allowed a finite number > 0"),
     ({"workspace": {"lower_m": [0, 0, 1], "upper_m": [1, 1, 1]}}, "upper_m"),
     ({"joint_speed": {"wheel": 1.0}}, "wheel"),
-    ({"speed": 1.0}, "speed"),
+    ({"speed": 1.0}, "speed"), ({"twist_frame": "tool"}, "twist_frame.*base"), ({"twist_topic": ""}, "twist_topic"),
 ])
 def test_bad_settings_are_named(settings, fault):
     with pytest.raises(ParameterError, match=fault):

@@ -61,7 +61,7 @@ def replay(paths: Any, namespace: Optional[str] = None, scenario: Optional[Scena
         if missing:
             raise BagError(f"replay of '{bags.name}': not recorded: {', '.join(missing)}; record the groups images and "
                            "features")
-        sources = [source for source in known_sources() if source.topic in topics]
+        sources = [source for source in known_sources() if source.topic in topics and not source.from_elsewhere]
         recorded, info, document = {source.topic: {} for source in sources}, None, None
         names = {topics[name]: name for name in (*recorded, "camera/camera_info", "scenario") if name in topics}
         for topic, message in bags.messages(names):

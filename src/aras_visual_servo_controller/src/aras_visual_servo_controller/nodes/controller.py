@@ -15,7 +15,7 @@ from typing import Any, Callable
 
 import numpy as np
 import rospy
-from sensor_msgs.msg import JointState
+from sensor_msgs.msg import CameraInfo, JointState
 from std_msgs.msg import Float64
 from std_srvs.srv import Trigger, TriggerResponse
 
@@ -28,6 +28,7 @@ from . import conversions as convert
 from .calls import ActionServer, call_service
 from .null_space_topic import NullSpaceTopic
 from .parameters import ControllerSetup, Parameters
+from .pixel_camera import PixelCamera
 
 LONGEST_PAUSE_S = 1e4     # simulated time after the end of a goal
 WORKER_PERIOD_S = 0.05    # wall time; watchdog
@@ -109,7 +110,9 @@ class ControllerNode:
         rospy.Service("stop", Trigger, self._on_stop)
         rospy.Service("reconfigure", Trigger, self._on_reconfigure)
         rospy.Subscriber("joint_states", convert.LazyJointState, self._on_joints, tcp_nodelay=True)
-        source = self._servo.source
+        source, self._camera = self._servo.source, PixelCamera()
+        if source.from_elsewhere:
+            rospy.Subscriber("camera/camera_info", CameraInfo, self._camera.set_info)
         rospy.Subscriber(source.topic, convert.message_class(source.message), self._on_features, tcp_nodelay=True)
 
     # --- one image, one answer ----------------------------------------------------------------------------------
@@ -138,7 +141,8 @@ class ControllerNode:
     def _on_features(self, message):
         with self._lock:
             stamp_ns = convert.stamp_ns(message.header)
-            self._answer_all(stamp_ns, self._pairer.add_features(stamp_ns, message))
+            features = self._servo.source.read(message, self._camera, self._servo.reference)
+            self._answer_all(stamp_ns, self._pairer.add_features(stamp_ns, features))
 
     def _answer_all(self, stamp_ns, pairs):
         """Answer the pairs that a message of this stamp has completed. It may have shown that time went back."""
@@ -350,6 +354,8 @@ class ControllerNode:
 
         Raises: ParameterError: the camera node refused.  rospy.ROSException, ServiceException: it does not answer.
         """
+        if self._servo.source.from_elsewhere:
+            return  # no camera node makes these features
         if stamp_ns == 0:
             raise ParameterError("camera/set_reference: the image of time 0 cannot be asked for (a stamp of 0 means "
                                  "none), teach a later one")

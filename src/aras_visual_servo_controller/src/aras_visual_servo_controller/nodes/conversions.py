@@ -207,6 +207,10 @@ def form_message(message: Any) -> Any:
     for name, value in message.fields.items():
         if name == "header":
             made.header.stamp = to_time(value)
+        elif name == "frame_id":
+            made.header.frame_id = value
+        elif name == "twist":
+            made.twist = _twist(value)
         elif name == "points":
             made.points = [_trajectory_point(**point) for point in value]
         else:
@@ -231,9 +235,12 @@ def state_message(record: ServoRecord, frame_id: str) -> ServoState:
         setattr(message, name, _plain(getattr(record, name)))
     for name in ("manipulability", "cond_l", "tilt_rad", "position_m", "rotation_rad"):
         setattr(message, name, float(getattr(record, name)))
-    twist = _plain(record.twist)
-    message.twist = Twist(Vector3(*twist[:3]), Vector3(*twist[3:]))
+    message.twist = _twist(_plain(record.twist))
     return message
+
+
+def _twist(values):
+    return Twist(Vector3(*values[:3]), Vector3(*values[3:]))
 
 
 def _plain(array):

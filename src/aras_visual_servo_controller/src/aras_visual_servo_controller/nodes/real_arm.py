@@ -40,7 +40,11 @@ class RealControllerNode(ControllerNode):
             raise ParameterError(f"real.predict: found true with features of {self._servo.source.name}, allowed with "
                                  "features of moments and points")
         self._link = ArmLink(self._kinematics, settings, self._servo.config.input_timeout_s)
-        self._form, self._publishers = make_form(settings), {}
+        output, robot = self._servo.config.output, parameters.section("robot")
+        if output == "twist" and robot.get("target_link"):
+            raise ParameterError("servo.output: found twist with robot.target_link, allowed with a camera on the arm")
+        self._twist_frame_id = robot[{"base": "base_link", "camera": "tip_link"}[settings.twist_frame]]
+        self._form, self._publishers = make_form(settings, output), {}
         self._unfit = self._slowed = ""
         self._blocked, self._answered, self._refused = False, 0, 0
 
@@ -67,7 +71,8 @@ class RealControllerNode(ControllerNode):
 
     def _on_features(self, message):
         with self._lock:
-            self._link.image(convert.stamp_ns(message.header), message, convert.now_ns())
+            features = self._servo.source.read(message, self._camera, self._servo.reference)
+            self._link.image(convert.stamp_ns(message.header), features, convert.now_ns())
             self._answer_ready()
 
     def _on_deadman(self, message):
@@ -151,7 +156,7 @@ class RealControllerNode(ControllerNode):
         tick = self._link.tick(now_ns)
         self._slowed, self._blocked = tick.slowed, tick.blocked
         if tick.point is not None:
-            for message in self._form.messages(tick.point):
+            for message in self._form.messages(tick.point._replace(frame_id=self._twist_frame_id)):
                 self._publishers[message.topic].publish(convert.form_message(message))
         self._heed(tick.unfit, now_ns)
         if not self._session.stale:

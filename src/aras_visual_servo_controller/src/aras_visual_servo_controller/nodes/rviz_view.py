@@ -74,7 +74,8 @@ class RvizView:
         rospy.Subscriber("buttons/feedback", InteractiveMarkerFeedback, self._pressed, queue_size=10)
         rospy.Subscriber("camera/camera_info", CameraInfo, self._on_info, queue_size=1)
         rospy.Subscriber("camera/image_raw", Image, self._on_image, queue_size=10, buff_size=1 << 24)
-        rospy.Subscriber(source.topic, convert.message_class(source.message), self._on_features, queue_size=10)
+        if not source.from_elsewhere:
+            rospy.Subscriber(source.topic, convert.message_class(source.message), self._on_features, queue_size=10)
         rospy.Subscriber("servo_state", ServoState, self._on_state, queue_size=10)
 
     # --- what is shown ------------------------------------------------------------------------------------------

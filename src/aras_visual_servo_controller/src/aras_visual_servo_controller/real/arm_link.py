@@ -242,8 +242,17 @@ class ArmLink:
         self._sent.append((now_ns, self._out))
         while now_ns - self._sent[0][0] > 1e9:
             self._sent.popleft()
-        point = SetPoint(now_ns, self._kinematics.joint_names, self._out, drive, resting)
+        point = SetPoint(now_ns, self._kinematics.joint_names, self._out, drive, resting, self._twist(drive))
         return Tick(point, unfit, slowed, blocked)
+
+    def _twist(self, q_dot):
+        """(6,) twist of the camera that joint velocities make, along the axes that `real.twist_frame` names."""
+        q = self._out if self._history.newest is None else self._history.newest
+        twist = self._kinematics.jacobian(q) @ q_dot
+        if self._settings.twist_frame == "camera":
+            return twist
+        R_BC = self._kinematics.pose(q)[:3, :3]
+        return np.concatenate([R_BC @ twist[:3], R_BC @ twist[3:]])
 
     def _move(self, dt_s):
         """Move the set-point by one period.

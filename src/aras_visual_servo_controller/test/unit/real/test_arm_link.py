@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from toy_plant import arm, GOAL
 
-from aras_visual_servo import Command, RealSettings
+from aras_visual_servo import Command, make_form, RealSettings
 from aras_visual_servo_controller.real.arm_link import ArmLink
 
 MS = 1_000_000
@@ -296,3 +296,25 @@ def test_a_prediction_over_too_long_a_time_is_refused():
     (sight,) = bench.link.sights(bench.now_ns)
     assert "predicted over 0.360 s, allowed 0.3 s" in \
         bench.link.predict(sight, bench.now_ns, lambda q: q, lambda *_: None).refusal
+
+
+@pytest.mark.parametrize("frame", ["camera", "base"])
+def test_the_twist_is_the_motion_of_the_camera_that_the_limited_velocities_make(frame):
+    bench = Bench(joint_speed={"gantry": 0.05}, twist_frame=frame)
+    bench.run(2)
+    bench.move({"gantry": 0.2, "J2": 0.1})
+    tick = bench.run()
+    h, q, q_dot = 1e-6, START, tick.point.velocity
+    before, after = KINEMATICS.pose(q - h * q_dot), KINEMATICS.pose(q + h * q_dot)
+    v, R = (after[:3, 3] - before[:3, 3]) / (2.0 * h), KINEMATICS.pose(q)[:3, :3]
+    W = (after[:3, :3] - before[:3, :3]) / (2.0 * h) @ R.T
+    w = np.array([W[2, 1], W[0, 2], W[1, 0]])
+    wanted = np.concatenate([v, w] if frame == "base" else [R.T @ v, R.T @ w])
+    assert np.linalg.norm(wanted[:3]) > 0.01 and np.linalg.norm(wanted[3:]) > 0.01
+    np.testing.assert_allclose(tick.point.twist, wanted, atol=1e-8)
+    (message,) = make_form(bench.settings, "twist").messages(tick.point._replace(frame_id="here"))
+    assert message.topic == "servo_server/delta_twist_cmds" and message.kind == "geometry_msgs/TwistStamped"
+    assert message.fields == {"header": bench.now_ns, "frame_id": "here", "twist": tick.point.twist.tolist()}
+    bench.held = False
+    (message,) = make_form(bench.settings, "twist").messages(bench.run().point)
+    assert message.fields["twist"] == [0.0] * 6

@@ -71,10 +71,11 @@ class Source:
         section: key of the scenario's section `vision` that makes the camera node publish them; "" if no key is needed.
         sees_parts: a part of the target in view is enough.
         averages: a goal can be the mean of several images; else it is one image, whose noise stays in it.
+        from_elsewhere: another node makes the features (`Elsewhere`).
     """
 
     name, topic, message, extractor_class, section, sees_parts = "", "", "", "", "", False
-    averages = True
+    averages, from_elsewhere = True, False
     tell_reference: Tuple[str, ...] = ("reference_stamp_ns", "z_star_m")
 
     def extractor(self, camera_info: Mapping[str, Any], vision: Mapping[str, Any]) -> Any:
@@ -88,6 +89,14 @@ class Source:
         import aras_visual_servo_camera  # here, so that this module can be imported without C++
         extract = getattr(aras_visual_servo_camera, self.extractor_class)
         return extract(camera_info, vision[self.section] if self.section else vision)
+
+    def read(self, message: Any, camera: Any, reference: Any) -> Any:
+        """Returns the features of a message; those of our own messages are the message.
+
+        Args: camera: of a source from elsewhere, an object with `frame_id`, "" if it is not known, and
+            `normalised([(u, v)])`, which gives ((n, 2), fault).  reference: `Reference` in use, or None.
+        """
+        return message
 
     def renewed(self, extractor: Any) -> Optional[Any]:
         """This extractor, as it was before its first image; None where that cannot be had and a new one is made."""
@@ -134,3 +143,9 @@ class Source:
         The image that was the reference is not available then, so a source whose reference is an image forgets it.
         """
         extractor.clear_reference()
+
+
+class Elsewhere(Source):
+    """Base class of sources whose features another node makes. They `read` its messages and make no extractor."""
+
+    from_elsewhere = True
