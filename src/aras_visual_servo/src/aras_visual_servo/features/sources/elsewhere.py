@@ -96,7 +96,7 @@ class PoseWithCovariance(Pose):
 class Corners(_FromElsewhere, Matches):
     """Points of the image in px, in one order in all images; z is their depth [m], or 0 where it is not known."""
 
-    topic, message, section = "target/corners", "geometry_msgs/PolygonStamped", ""
+    topic, message, section, averages = "target/corners", "geometry_msgs/PolygonStamped", "", True
 
     def wants_depth(self, vision: Mapping[str, Any]) -> bool:
         return True  # the message may bring them
