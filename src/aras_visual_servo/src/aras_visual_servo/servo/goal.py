@@ -78,7 +78,7 @@ class Goal:
         values = [self.features.values(View(view)) for view in views]
         errors = np.array([self.features.error(s, values[0], self._config.symmetric_target) for s in values])
         poses: List[Any] = [self.pose.of(e, None) for e in errors]
-        return errors, None if poses[0] is None else np.array(poses)
+        return errors, self.pose.by_views(views) if poses[0] is None else np.array(poses)
 
     def unseen(self, tilt_held: bool) -> Tuple[str, ...]:
         """Returns the motions of the camera at the goal that the features do not tell, as `GoalPose.unseen`."""

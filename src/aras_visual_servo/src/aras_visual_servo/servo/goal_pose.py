@@ -68,19 +68,35 @@ class GoalPose:
         return features.matrix(View(self._view, plane, None, self._depths))
 
     @cached_property
+    def _told_by(self):
+        """(features, their matrix, its inverse) that tell the pose: the points, where the law measures it."""
+        if self._L is None and self._view is not None and len(self._view.point_x):
+            features = FeatureSet([f"points{len(self._view.point_x)}"])
+            try:
+                L = self._matrix(features, self._plane)
+            except DegenerateFeature:
+                return self._features, None, None
+            return features, L, _inverse(L, self._sees_tilt)
+        return self._features, self._L, self._inverse
+
+    def by_views(self, views: Sequence[Any]) -> Optional[np.ndarray]:
+        """Returns the displacements of the camera, (m, 6), by views of the goal; None where they cannot be told."""
+        features, _, inverse = self._told_by
+        if inverse is None:
+            return None
+        values = np.array([features.values(View(view)) for view in views])
+        return (values - values[0]) @ inverse.T
+
+    @cached_property
     def left_open(self) -> LeftOpen:
         """What images do not tell. Where a law measures the pose it is told by the points."""
         view = self._view
         if view is None:
             return LeftOpen()
-        nothing, features, L, inverse = LeftOpen(view.edge_stddev), self._features, self._L, self._inverse
+        nothing, (features, L, inverse) = LeftOpen(view.edge_stddev), self._told_by
+        if inverse is None:
+            return nothing
         try:
-            if L is None and len(view.point_x):
-                features = FeatureSet([f"points{len(view.point_x)}"])
-                L = self._matrix(features, self._plane)
-                inverse = _inverse(L, self._sees_tilt)
-            if inverse is None:
-                return nothing
             changes = edge_changes(features, view)
         except DegenerateFeature:
             return nothing

@@ -11,6 +11,7 @@ from aras_visual_servo.features.base import FeatureSet, View
 from aras_visual_servo.features.interaction import plane_from_pose
 from aras_visual_servo.ground.types import Features, Reference
 from aras_visual_servo.servo.goal_pose import GoalPose, turns_alike
+from aras_visual_servo.spatial import exponential
 
 ANY_WAY, DEPTH_M, NORMAL_RAD = np.eye(6), 0.6, 0.15
 RECTANGLE = np.array([[-0.09, -0.05], [0.09, -0.05], [0.09, 0.05], [-0.09, 0.05]])
@@ -45,6 +46,18 @@ def test_a_motion_that_the_arm_cannot_make_need_not_be_seen():
     without_tilt = np.delete(np.eye(6), [3, 4], axis=1)
     four = goal(["xn", "yn", "an", "alpha"])[0]
     assert four.unseen(without_tilt, DEPTH_M, False) == () != four.unseen(ANY_WAY, DEPTH_M, False)
+
+
+@pytest.mark.parametrize("names", [["points4"], ["tx", "ty", "tz", "rx", "ry", "rz"]])
+def test_views_tell_where_the_camera_was_by_their_points_where_the_law_measures_the_pose(names):
+    camera = Camera(None, RECTANGLE)
+    camera.star = (DEPTH_M, 0.03)
+    displacements = 1e-4 * np.vstack([np.zeros(6), np.random.default_rng(1).normal(size=(3, 6))])
+    views = [camera.features(parallel_pose() @ exponential(displacement)) for displacement in displacements]
+    reference = Reference(np.zeros(len(names)), None, None, views[0], np.array([0.0, 0.0, 1.0 / DEPTH_M]))
+    found = GoalPose(FeatureSet(names), reference).by_views(views)
+    np.testing.assert_allclose(found, displacements, atol=2e-6)  # of the second order
+    assert GoalPose(FeatureSet(names), Reference(np.zeros(len(names)))).by_views(views) is None
 
 
 def test_one_of_the_planes_tells_the_true_displacement_of_a_target_inclined_otherwise():
