@@ -77,20 +77,46 @@ void Arrival::clear() {
   seen_.clear();
 }
 
-std::pair<Arrival::Numbers, double> Arrival::features(std::int64_t stamp_ns, const Numbers& e, double tilt_rad) {
+std::pair<Arrival::Numbers, double> Arrival::features(std::int64_t stamp_ns, const Numbers& e, double tilt_rad,
+                                                      const Eigen::Ref<const Vector6>& moved) {
   requireSize("e", static_cast<Eigen::Index>(e.size()), static_cast<Eigen::Index>(thresholds_.size()));
-  errors_.push_back({stamp_ns, e, tilt_rad});
-  while (stamp_ns - errors_.front().stamp_ns > hold_ns_) errors_.pop_front();
+  errors_.push_back({stamp_ns, e, tilt_rad, moved});
+  while (stamp_ns - errors_.front().stamp_ns > kept_ns_) errors_.pop_front();
+  const auto first = std::find_if(errors_.begin(), errors_.end(), [&](const Errors& errors) {
+    return stamp_ns - errors.stamp_ns <= hold_ns_;
+  });
+  double most = first->tilt_rad;
   Numbers parts(e.size(), 0.0);
-  double most = errors_.front().tilt_rad;
-  for (const Errors& errors : errors_) {
-    for (std::size_t i = 0; i < parts.size(); ++i) parts[i] += errors.e[i];
-    most = std::max(most, errors.tilt_rad);
+  for (auto errors = first; errors != errors_.end(); ++errors) {
+    for (std::size_t i = 0; i < parts.size(); ++i) parts[i] += errors->e[i];
+    most = std::max(most, errors->tilt_rad);
   }
+  const auto held = static_cast<double>(errors_.end() - first);
   for (std::size_t i = 0; i < parts.size(); ++i) {
-    parts[i] = std::abs(parts[i] / static_cast<double>(errors_.size())) / thresholds_[i];
+    parts[i] = std::abs(parts[i] / held) / thresholds_[i];
+    if (!(parts[i] < 1.0)) parts[i] = std::min(parts[i], noisyPart(i, parts[i], held, moved));
   }
   return {parts, most / limits_.tilt_rad};
+}
+
+double Arrival::noisyPart(std::size_t i, double part, double held, const Vector6& moved) const {
+  double sum = 0.0, squares = 0.0, count = 0.0, last = 0.0;
+  for (const Errors& errors : errors_) {
+    if (!isNear(errors.moved, moved)) continue;
+    if (count > 0.0) squares += 0.5 * (errors.e[i] - last) * (errors.e[i] - last);
+    last = errors.e[i];
+    sum += last;
+    count += 1.0;
+  }
+  if (count < 2.0) return part;
+  // From image to image errors differ by noise; a mean is uncertain by its standard error.
+  const double noise = sure_ * std::sqrt(squares / (count - 1.0)) / thresholds_[i];
+  return std::max(std::abs(sum / count) / thresholds_[i] + noise / std::sqrt(count), part - noise / std::sqrt(held));
+}
+
+bool Arrival::isNear(const Vector6& place, const Vector6& moved) const {
+  const Vector6 way = place - moved;
+  return positionOf(way) < limits_.position_m && rotationOf(way) < limits_.rotation_rad;
 }
 
 Arrival::Place Arrival::place(std::int64_t stamp_ns, const Eigen::Ref<const Vector6>& moved,
@@ -99,14 +125,10 @@ Arrival::Place Arrival::place(std::int64_t stamp_ns, const Eigen::Ref<const Vect
   while (stamp_ns - seen_.front().stamp_ns > kept_ns_) seen_.pop_front();
 
   // The mean of the images from whose place the camera has hardly moved, and its variance.
-  const auto isNear = [&](const Seen& seen) {
-    const Vector6 way = seen.moved - moved;
-    return positionOf(way) < limits_.position_m && rotationOf(way) < limits_.rotation_rad;
-  };
   std::vector<const Seen*> near;
   Vector6 mean = Vector6::Zero();
   for (const Seen& seen : seen_) {
-    if (!isNear(seen)) continue;
+    if (!isNear(seen.moved, moved)) continue;
     near.push_back(&seen);
     mean += seen.off;
   }

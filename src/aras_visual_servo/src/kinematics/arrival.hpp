@@ -48,10 +48,12 @@ class Arrival {
   void clear();
 
   /** Takes the errors of one image in.
-   *  @param e  one per threshold.  @param tilt_rad  NaN: not known
-   *  @return the mean errors, and the largest tilt, of the last hold_ns, as parts of their limits
+   *  @param e  one per threshold.  @param tilt_rad  NaN: not known.  @param moved  as in place()
+   *  @return the mean errors, and the largest tilt, of the last hold_ns, as parts of their limits. Where noise makes
+   *      that mean too large, the mean of all images from about this place stands for it, with its uncertainty
    *  @throws ShapeError */
-  std::pair<Numbers, double> features(std::int64_t stamp_ns, const Numbers& e, double tilt_rad);
+  std::pair<Numbers, double> features(std::int64_t stamp_ns, const Numbers& e, double tilt_rad,
+                                      const Eigen::Ref<const Vector6>& moved);
 
   /** Takes the pose of one image in.
    *  @param moved  of the camera by the joints, since any fixed instant.  @param pose  by the image, from the goal
@@ -64,11 +66,16 @@ class Arrival {
     std::int64_t stamp_ns;
     Numbers e;
     double tilt_rad;
+    Vector6 moved;
   };
   struct Seen {
     std::int64_t stamp_ns;
     Vector6 moved, off;  // off: the pose by the image less the motion
   };
+
+  /** The part of threshold i by all images from about this place, where `part` is that of the last `held` of them. */
+  double noisyPart(std::size_t i, double part, double held, const Vector6& moved) const;
+  bool isNear(const Vector6& place, const Vector6& moved) const;
 
   Numbers thresholds_;
   std::int64_t hold_ns_, kept_ns_;

@@ -79,7 +79,7 @@ void bindArrival(py::module_& module) {
            py::arg("rotation_rad"), py::arg("tilt_rad"), py::arg("sure"), py::arg("taught_images"), py::arg("edges"),
            py::arg("planes"))
       .def("clear", &Arrival::clear)
-      .def("features", &Arrival::features, py::arg("stamp_ns"), py::arg("e"), py::arg("tilt_rad"))
+      .def("features", &Arrival::features, py::arg("stamp_ns"), py::arg("e"), py::arg("tilt_rad"), py::arg("moved"))
       .def(
           "place",
           [](Arrival& self, std::int64_t stamp_ns, const Eigen::Ref<const Arrival::Vector6>& moved,

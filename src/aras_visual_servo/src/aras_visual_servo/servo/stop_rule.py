@@ -28,7 +28,9 @@ RULES = ("pose", "published")
 #: The camera is close to the goal while every error is below this many times its threshold. Only there does the matrix
 #: of the goal hold, and images are averaged.
 CLOSE = 5.0
-#: ... and over this time at most [s].
+#: Noise may take single images farther; it is not close any more when none has been for so long [s].
+LEAVE_S = 1.0
+#: Images are averaged over this time at most [s].
 AVERAGED_S = 10.0
 #: So many standard errors of the mean count as distance from the goal.
 SURE = 2.0
@@ -105,7 +107,7 @@ class StopRule:
         """Forgets the images seen."""
         if self._last_ns is not None:
             self._images.clear()
-        self._X_BC = self._last_ns = self._since_ns = None
+        self._X_BC = self._last_ns = self._since_ns = self._close_ns = None
         self.uncertain = self.hopeless = False
         self.judged, self.lacking, self.close, self.resting = UNKNOWN, ("no image",), False, False
 
@@ -121,7 +123,9 @@ class StopRule:
             edge_stddev: of the features of this image.
         """
         tilt_rad = nan if tilt is None else (tilt[0] * tilt[0] + tilt[1] * tilt[1]) ** 0.5
-        self.close = self._is_close(e, tilt_rad, pose if pose_of_law else None)
+        if self._is_close(e, tilt_rad, pose if pose_of_law else None):
+            self._close_ns = stamp_ns
+        self.close = self._close_ns is not None and stamp_ns - self._close_ns <= 1e9 * LEAVE_S
         if not self.close:
             self.clear()
             self.judged = (tilt_rad, *_size(pose))
@@ -131,7 +135,8 @@ class StopRule:
         if self._since_ns is None:
             self._since_ns = stamp_ns
         self._last_ns = stamp_ns
-        means, tilt_part = self._images.features(stamp_ns, e, tilt_rad)
+        moved = self._moved(X_BC)
+        means, tilt_part = self._images.features(stamp_ns, e, tilt_rad, moved)
         parts = dict(zip(self._names, means))
         if tilt_rad == tilt_rad:
             parts["tilt"] = tilt_part
@@ -142,7 +147,7 @@ class StopRule:
         self.uncertain = self.hopeless or any([part * part + edge * edge >= 1.0 for part, edge in zip(means, edges)])
         if pose is not None:
             (off, parts["rest"], parts["position"], parts["rotation"], known, left_open, position_m,
-             rotation_rad) = self._images.place(stamp_ns, self._moved(X_BC), pose, variance)
+             rotation_rad) = self._images.place(stamp_ns, moved, pose, variance)
             parts["rest"] /= MOVED
             most, self.judged = max(most, off), (tilt_rad, position_m, rotation_rad)
             self.uncertain = self.uncertain or not known < 1.0

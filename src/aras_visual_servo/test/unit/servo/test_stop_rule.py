@@ -108,6 +108,20 @@ def test_noise_of_the_pose_does_not_pass_for_arrival_and_is_averaged_out():
     assert 20 < count < 120
 
 
+def test_images_that_noise_takes_far_off_do_not_make_the_rest_forgotten():
+    watched, rng = Watched(), np.random.default_rng(NOISE_SEED)
+    noise = 4.0 * 0.001  # of single images, in the feature: every fifth is more than five thresholds off
+
+    close = []
+    for error in noise * rng.normal(size=300):
+        watched.look(e=(float(error), 0.0), pose=np.array([0.1 * error, 0, 0, 0, 0, 0]))
+        close.append(watched.rule.close)
+    assert all(close[3:])
+    for _ in range(31):  # LEAVE_S and an image
+        assert not watched.look(e=(0.006, 0.0), pose=np.zeros(6))
+    assert not watched.rule.close and watched.rule.lacking == ("a",)
+
+
 def test_noise_of_the_taught_view_counts_too():
     rng = np.random.default_rng(NOISE_SEED)
     watched = Watched(taught_images=4)
@@ -212,6 +226,7 @@ ROUNDING = 1e-14
 #: Near half a turn the quaternion gives the axis; it loses a few digits more.
 HALF_TURN_ROUNDING = 1e-12
 HOLD_NS, KEPT_NS, POSITION_M, ROTATION_RAD, TILT_RAD = 200, 1000, 0.001, 0.01, 0.002
+HERE = np.zeros(6)
 
 
 def arrival(taught_images=4, sure=2.0, edges=np.zeros((6, 6)), planes=(np.eye(6),)):
@@ -238,13 +253,31 @@ def test_between_is_the_translation_and_the_rotation_vector_in_the_first_frame(a
 
 def test_features_are_judged_by_their_mean_over_hold_s_and_the_tilt_by_its_largest():
     judged = arrival()
-    judged.features(0, (9.0, 9.0), 0.9)  # out of the window at the last stamp
-    judged.features(100, (0.3, -0.1), 0.001)
-    means, tilt = judged.features(300, (-0.1, -0.1), 0.0005)
-    np.testing.assert_allclose(means, [1.0, 0.5], rtol=ROUNDING)
+    judged.features(0, (9.0, 9.0), 0.9, HERE)  # out of the window at the last stamp
+    judged.features(100, (0.3, -0.1), 0.001, HERE)
+    means, tilt = judged.features(300, (-0.12, -0.1), 0.0005, HERE)
+    np.testing.assert_allclose(means, [0.9, 0.5], rtol=ROUNDING)
     assert tilt == 0.5
     with pytest.raises(ShapeError, match="e: 1 values, expected 2"):
-        judged.features(400, (1.0,), 0.0)
+        judged.features(400, (1.0,), 0.0, HERE)
+
+
+def test_where_noise_makes_the_mean_of_hold_s_large_all_images_of_the_place_are_asked():
+    rng, judged, found, wanted = np.random.default_rng(2), arrival(), [], []
+    errors = 0.2 * rng.normal(size=60) + 0.05
+    for k, error in enumerate(errors):
+        (part, steady), _ = judged.features(100 * k, (error, 1.0), 0.0, HERE)
+        assert steady == 5.0  # no noise: the mean of hold_s stands
+        last = errors[max(k - KEPT_NS // 100, 0):k + 1]
+        held = abs(last[-3:].mean())
+        noise = 2.0 * np.sqrt(0.5 * np.mean(np.diff(last)**2)) if k else 0.0
+        of_all = abs(last.mean()) + noise / np.sqrt(len(last))
+        wanted.append(held if held < 0.1 else min(held, max(of_all, held - noise / np.sqrt(len(last[-3:])))))
+        found.append(0.1 * part)
+    np.testing.assert_allclose(found, wanted, rtol=1e3 * ROUNDING)
+    away = np.array([2.0 * POSITION_M, 0.0, 0.0, 0.0, 0.0, 0.0])  # images of another place tell nothing
+    (part, _), _ = judged.features(100 * len(errors), (0.9, 0.0), 0.0, away)
+    assert part == pytest.approx(np.append(errors[-2:], 0.9).mean() / 0.1, rel=1e3 * ROUNDING)
 
 
 def test_the_place_is_the_mean_pose_of_the_images_near_the_camera_and_its_uncertainty_counts():
@@ -274,10 +307,10 @@ def test_the_place_is_the_mean_pose_of_the_images_near_the_camera_and_its_uncert
 
 def test_clear_forgets_every_image():
     judged = arrival()
-    judged.features(0, (9.0, 9.0), 0.9)
+    judged.features(0, (9.0, 9.0), 0.9, HERE)
     judged.place(0, np.zeros(6), np.ones(6), 0.0)
     judged.clear()
-    means, tilt = judged.features(1, (0.1, 0.2), 0.001)
+    means, tilt = judged.features(1, (0.1, 0.2), 0.001, HERE)
     assert means == [1.0, 1.0] and tilt == 0.5
     assert judged.place(1, np.zeros(6), np.zeros(6), 0.0)[0] == 0.0
 
