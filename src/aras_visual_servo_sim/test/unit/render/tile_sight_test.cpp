@@ -44,6 +44,7 @@ TileTriangle anyTriangle(std::mt19937& random, bool flat) {
   t.plane[1] = unit(random);
   t.plane[2] = 0.6f + 0.4f * unit(random);
   t.bias = 0.01f;
+  t.most = 0.8f + 0.4f * unit(random);
   return t;
 }
 
@@ -106,7 +107,8 @@ TEST_P(Sight, IsWhatTheCornersOfThePixelsSay) {
           EXPECT_EQ((sight_.of(p) >> k & 1) != 0, edge.least < 0.0) << "edge " << k << " of pixel " << p;
           ++(edge.least < 0.0 ? crossed : whole);
         }
-        const Range depth = overCorners(t, 3, p);
+        Range depth = overCorners(t, 3, p);
+        depth.most = std::min(depth.most, double(t.most));
         EXPECT_NEAR(sight_.nearest(p), depth.most, kRounding);
         EXPECT_NEAR(sight_.farthest(p), depth.least, kRounding);
         clear = clear && std::abs(depth.most - kFloor) > kRounding && std::abs(depth.most - kAhead) > kRounding &&

@@ -18,10 +18,12 @@ struct Row {
   EightFloats nearest, farthest;
   EightInts bits;
 
-  /** @param middle  near_m / Z in the pixels' middles @param half  how much it varies from there over their squares */
-  [[gnu::always_inline]] void setDepth(const EightFloats& middle, const EightFloats& half, const float* floor,
-                                       const float* ahead) {
+  /** @param middle  near_m / Z in the pixels' middles @param half  how much it varies from there over their squares
+   *  @param most  that it is at most */
+  [[gnu::always_inline]] void setDepth(const EightFloats& middle, const EightFloats& half, float most,
+                                       const float* floor, const float* ahead) {
     nearest = middle + half;
+    nearest = nearest < most ? nearest : most + EightFloats{};
     farthest = middle - half;
     bits = (((nearest < eightAt(floor).values) | (farthest > eightAt(ahead).values)) & TileSight::kNothing) |
            ((nearest > eightAt(ahead).values) & TileSight::kCut);
@@ -50,7 +52,7 @@ ARAS_WIDE void lookFlat(const TileTriangle& t, const TileRays::Values& rays, con
     Row row;
     row.setDepth(
         t.plane[0] * eightAt(rays[0] + p).values + t.plane[1] * eightAt(rays[1] + p).values + t.plane[2] + t.bias,
-        reach + EightFloats{}, floor + p, ahead + p);
+        reach + EightFloats{}, t.most, floor + p, ahead + p);
     for (int k = 0; k < 3; ++k) {
       const float half = 0.5f * (std::abs(t.a[k]) + std::abs(t.b[k]));
       row.addEdge(k, t.a[k] * x + t.b[k] * y + t.c[k], half + EightFloats{});
@@ -80,7 +82,7 @@ ARAS_WIDE void lookBent(const TileTriangle& t, const TileRays::Values& rays, con
     EightFloats middle, half;
     Row row;
     measure(t.plane, rays, p, middle, half);
-    row.setDepth(middle + t.bias, half, floor + p, ahead + p);
+    row.setDepth(middle + t.bias, half, t.most, floor + p, ahead + p);
     for (int k = 0; k < 3; ++k) {
       measure(t.edge[k], rays, p, middle, half);
       row.addEdge(k, middle, half);
@@ -98,7 +100,12 @@ bool TileTriangle::set(const TriangleList& list, std::uint32_t index, double nea
   surface = facet.surface;
   for (int k = 0; k < 3; ++k) plane[k] = static_cast<float>(near_m * facet.plane[k]);
   bias = static_cast<float>(facet.bias);
-  if (!list.isFlat()) return setEdges(facet, cone);
+  constexpr float kRounding = 1.0f + 8.0f * std::numeric_limits<float>::epsilon();
+  most = kRounding * static_cast<float>(near_m * facet.nearest + facet.bias);
+  if (!list.isFlat()) {
+    most = std::numeric_limits<float>::infinity();  // rays have unit length there
+    return setEdges(facet, cone);
+  }
   const Vertex* t = &list.vertices()[3 * std::size_t(index)];
   const double area =
       (double(t[1].x) - t[0].x) * (double(t[2].y) - t[0].y) - (double(t[1].y) - t[0].y) * (double(t[2].x) - t[0].x);

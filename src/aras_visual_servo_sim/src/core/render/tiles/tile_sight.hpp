@@ -22,6 +22,7 @@ struct TileTriangle {
   float edge[3][3];
   std::array<bool, 3> seam;  ///< of each edge: see Vertex
   float plane[3], bias;
+  float most;  ///< that near_m / Z is nowhere larger than; a plane seen edge-on goes on far beyond its triangle
 
   /** @param tile  pixels of the tile @param cone  its rays @return false if the triangle has nothing in the tile */
   bool set(const TriangleList& list, std::uint32_t index, double near_m, const PixelBox& tile, const RayCone& cone);

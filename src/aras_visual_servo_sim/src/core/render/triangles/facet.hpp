@@ -1,9 +1,11 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 #include "aras_visual_servo_sim/scene/mesh_loader.hpp"
 
@@ -16,6 +18,7 @@ namespace aras_visual_servo_sim {
 struct Facet {
   Eigen::Matrix3d areal = Eigen::Matrix3d::Zero();  ///< row k: (p_i x p_j) / det(p_0, p_1, p_2), corner k left out
   Eigen::Vector3d plane = Eigen::Vector3d::Zero();  ///< plane . ray = 1 / Z: the sum of the rows
+  double nearest = 0.0;                  ///< largest 1 / Z of a corner; infinite if one is not ahead
   double bias = 0.0;                     ///< added to near_m / Z: lifts faces over what lies in the same plane
   std::array<Eigen::Vector3f, 3> rgb;    ///< at the corners, lit, 0 .. 255
   int picture = -1;                      ///< index into PlanarLayer::pictures(), which has its colour instead
@@ -40,6 +43,8 @@ struct Facet {
     if (!(std::abs(determinant) > kLeast)) return false;
     areal /= determinant;
     plane = areal.colwise().sum();
+    const double least_z = std::min({p[0].z(), p[1].z(), p[2].z()});
+    nearest = least_z > 0.0 ? 1.0 / least_z : std::numeric_limits<double>::infinity();
     return true;
   }
   /** Sets edges too. @return false as place */
