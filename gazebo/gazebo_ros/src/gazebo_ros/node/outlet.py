@@ -1,6 +1,7 @@
 """What the topics of all parts of the world share: their place in the ROS graph, and when they are published."""
 import rospy
 
+from ..faults import told
 from ..world.pushes import NEVER_NS
 
 
@@ -32,7 +33,11 @@ class Outlet:
     def __init__(self, world, model, work):
         self.world, self.model, self.work = world, model, work
         self._publishers, self._ends, self._beat = [], [], None
-        self.open()
+        try:
+            self.open()
+        except Exception:
+            self.close()
+            raise
 
     @property
     def simulation(self):
@@ -48,6 +53,15 @@ class Outlet:
         """react(message) is called in the world's thread; what it refuses is logged."""
         self._ends.append(rospy.Subscriber(
             name, kind, lambda message: self.work.post(lambda: react(message), name)).unregister)
+
+    def serve(self, name, kind, respond):
+        """Serves respond(request), in a thread of rospy. A service that this node serves already stays what it is, with
+        an error in the log, as roscpp has it."""
+        try:
+            self._ends.append(rospy.Service(name, kind, respond).shutdown)
+        except rospy.ServiceException:
+            rospy.logerr(told("topic", "model '%s': service %s" % (self.model and self.model.name, name),
+                              "it served already"))
 
     def ends_with(self, action):
         """action() is called at the end."""

@@ -11,7 +11,7 @@ from .server import CLOCK_RATE_HZ, Server
 
 #: Of the world that has nothing but the ground and the sun, which Gazebo has under these names.
 EMPTY = ("", "worlds/empty.world", "empty.world")
-NOT_THERE = 255  #: what Gazebo's server returns when it cannot read the world
+NOT_THERE = 255  #: what Gazebo's server returns when there is no such world
 
 #: Options that Gazebo's server takes, without and with a value, and that change nothing here.
 FLAGS = ("-r", "--record", "--verbose", "--lockstep", "-q", "--quiet", "--minimal_comms", "--record_resources")
@@ -39,9 +39,12 @@ def main():
     folders = Folders()
     try:
         file = world_of(world, folders)
-    except (OSError, ArasError) as error:
+    except FileNotFoundError as error:
         rospy.logfatal("gzserver: %s" % error)
         return NOT_THERE
+    except (OSError, ArasError) as error:
+        rospy.logerr("gzserver: %s: the world is empty" % error)
+        file = read_world(EMPTY_WORLD, False, folders)
     rate_hz = rospy.get_param("/gazebo/pub_clock_frequency", CLOCK_RATE_HZ)
     server = Server(file.settings, folders, paused, rate_hz if rate_hz > 0 else CLOCK_RATE_HZ)
     server.fill(file)

@@ -1,4 +1,5 @@
 """The world and its models."""
+import contextlib
 import dataclasses
 import xml.etree.ElementTree as ElementTree
 
@@ -37,6 +38,7 @@ class World:
         self.core, self.models = world_of(self.settings), {}
         self.pushes = Pushes(self.models)
         self._folders = folders
+        self.before_ground = set()  #: names of the models that were there before the ground plane
         self.epoch_ns = 0  #: time of tick 0: when the period became what it is, int [ns]
 
     @property
@@ -107,6 +109,14 @@ class World:
 
     # --- models
 
+    @property
+    def names(self):
+        """Of the models and the ground plane, in the order in which they came into the world, as Gazebo counts them
+        (World::ModelByIndex)."""
+        before = [name for name in self.models if name in self.before_ground]
+        after = [name for name in self.models if name not in self.before_ground]
+        return before + [GROUND] * self.settings.ground + after
+
     def spawn(self, name, xml, namespace="", pose=IDENTITY, frame=""):
         """Adds a model.
 
@@ -145,6 +155,7 @@ class World:
         if name == GROUND and planes == [0.0]:  # it was deleted before
             self.core.spawn_model(GROUND_PLANE)
             self._change_ground(ground=True)
+            self.before_ground = set(self.models)
             return None
         return self.place_sdf(name, model, X_WF @ pose @ model.pose, namespace, transmissions, warnings)
 
@@ -178,7 +189,15 @@ class World:
                              "model name?") from error
 
     def _add(self, name, xml, namespace, X_WM, X_MR=IDENTITY, warnings=()):
-        model = Model(self.core, name, xml, namespace, X_WM, self.settings.gravity_m_s2, X_MR, warnings)
+        try:
+            model = Model(self.core, name, xml, namespace, X_WM, self.settings.gravity_m_s2, X_MR, warnings)
+        except Exception as error:
+            with contextlib.suppress(ArasError):
+                self.core.delete(name)
+            if isinstance(error, ArasError):
+                raise
+            raise ModelError("SpawnModel: Failure - model '%s': found something that nobody expected: %s: %s" %
+                             (name, type(error).__name__, error)) from error
         self.models[name] = model
         return model
 
@@ -187,6 +206,7 @@ class World:
         self.model(name)
         self.core.delete(name)
         del self.models[name]
+        self.before_ground.discard(name)
         self.pushes.forget(name)
 
     def model(self, name):
