@@ -5,6 +5,7 @@ import rospy
 
 from aras_visual_servo_sim import ArasError
 
+from ..faults import REFUSED
 from ..sdf.world import EMPTY_WORLD, read_world
 from .folders import Folders
 from .server import CLOCK_RATE_HZ, Server
@@ -43,7 +44,7 @@ def main():
         rospy.logfatal("gzserver: %s" % error)
         return NOT_THERE
     except (OSError, ArasError) as error:
-        rospy.logerr("gzserver: %s: the world is empty" % error)
+        rospy.logerr("gzserver: %s: the world is empty" % str(error).replace(REFUSED, ""))
         file = read_world(EMPTY_WORLD, False, folders)
     rate_hz = rospy.get_param("/gazebo/pub_clock_frequency", CLOCK_RATE_HZ)
     server = Server(file.settings, folders, paused, rate_hz if rate_hz > 0 else CLOCK_RATE_HZ)

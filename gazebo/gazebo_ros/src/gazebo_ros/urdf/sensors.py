@@ -72,7 +72,7 @@ def _complete(camera: ElementTree.Element, wide: bool, what: str, warnings: typi
     for path, value, lowest, highest in DEFAULTS:
         element = camera.find(path)
         if element is None:
-            missing.append("<%s>" % path.rpartition("/")[2])
+            missing.append((path.rpartition("/")[2], value))
             _made(camera, path).text = value
             continue
         highest = WIDEST if wide and path == "horizontal_fov" else highest
@@ -83,7 +83,8 @@ def _complete(camera: ElementTree.Element, wide: bool, what: str, warnings: typi
                 warnings.append(told("camera value", "%s: <%s>" % (what, element.tag), "'%s'" % _text(element), value))
             element.text = value
     if missing and warnings is not None:
-        warnings.append(told("camera", what, "no " + ", ".join(missing)))
+        warnings.append(told("camera", what, "no " + ", ".join("<%s>" % tag for tag, _ in missing),
+                             "SDF's default, " + ", ".join(value for _, value in missing)))
     near, far = (float(camera.findtext("clip/" + key) or 0.0) for key in ("near", "far"))
     if near >= far:
         if warnings is not None:

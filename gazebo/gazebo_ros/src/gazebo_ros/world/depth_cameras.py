@@ -129,8 +129,8 @@ def read_realsense(robot, plugin, done, warnings):
             continue
         points = named(place, text(plugin, "pointCloudTopicName", "points")) if flag(plugin, "pointCloud") else ""
         nearest, farthest, cloud_nearest, cloud_farthest = (
-            told_number(plugin, *each, warnings) for each in
-            (("rangeMinDepth", 0.0), ("rangeMaxDepth", 65.535), ("pointCloudCutoff", 0.0), ("pointCloudCutoffMax", 5.0)))
+            told_number(plugin, *each, warnings) for each in (("rangeMinDepth", 0.0), ("rangeMaxDepth", 65.535),
+                                                              ("pointCloudCutoff", 0.0), ("pointCloudCutoffMax", 5.0)))
         cameras[name] = CameraTopics("", "", trigger, Depth(
             image, info, points, True, (nearest, farthest), (cloud_nearest, cloud_farthest),
             colors=prefix + "color" if prefix + "color" in cameras else name))

@@ -6,6 +6,7 @@ import xml.etree.ElementTree as ElementTree
 from aras_visual_servo_sim import ModelError
 
 from ..faults import told
+from ..sdf.mend import parsed
 from ..urdf.mend import base_mass, mend
 from ..urdf.sensors import mend_sensors
 from ..urdf.tree import PRESERVED, check_tree, lumped_links
@@ -70,8 +71,8 @@ def read_description(xml, namespace, model):
     Raises: ModelError: no URDF, or links and joints that are no tree.
     """
     try:
-        robot = ElementTree.fromstring(xml)
-    except ElementTree.ParseError as error:
+        robot = parsed(xml)
+    except (ElementTree.ParseError, ValueError) as error:
         raise ModelError("SpawnModel: Failure - entity format is invalid: %s" % error) from error
     if robot.tag != "robot":
         raise ModelError("SpawnModel: Failure - entity format is invalid: found <%s>, allowed is <robot>" % robot.tag)
