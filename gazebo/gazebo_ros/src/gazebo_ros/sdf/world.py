@@ -47,7 +47,8 @@ def read_world(source, is_path, folders):
     root, warnings = expanded(source, is_path, folders)
     world = root.find("world")
     if world is None:
-        raise ModelError("found no <world>, allowed is an SDF document with one")
+        raise ModelError("%s: found no <world>, allowed is an SDF document with one" %
+                         (source if is_path else "the document"))
     states = {kind: {each.get("name"): each for each in world.findall("state/" + kind)} for kind in ("model", "light")}
     models, ground_at, settings = [], 0, settings_of(world, warnings)
     for element in world.findall("model"):

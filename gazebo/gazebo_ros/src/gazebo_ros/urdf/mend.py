@@ -57,8 +57,8 @@ def mend(robot: ElementTree.Element, warnings: Warnings) -> None:
     root = Tree(robot).root
     for joint in robot.findall("joint"):
         _mend_joint(robot, joint, root, warnings)
-    _mend_mimics(robot, warnings)
     _drop_massless(robot, warnings)
+    _mend_mimics(robot, warnings)
 
 
 def _shown(element: typing.Optional[ElementTree.Element], key: str) -> str:
@@ -136,12 +136,11 @@ def _listed(values: numpy.ndarray) -> str:
 def _drop_massless(robot: ElementTree.Element, warnings: Warnings) -> None:
     """Takes out links that a joint moves and that have no mass, with all that hangs from them."""
     masses = {link.get("name", ""): _mass_of(link) for link in robot.findall("link")}
-    coupled = {name for joint in robot.findall("joint") for mimic in joint.findall("mimic")
-               for name in (joint.get("name"), mimic.get("joint"))}  # they share the inertia that they move
-    tree, gone = Tree(robot), set()
+    gone: typing.Set[str] = set()
+    tree = Tree(robot)
     for link in tree.below(tree.root):
         joint = tree.joints.get(link)
-        if joint is None or joint.get("type") in ("fixed", "floating") or joint.get("name") in coupled or link in gone:
+        if joint is None or joint.get("type") in ("fixed", "floating") or link in gone:
             continue
         below = tree.below(link)
         if any(masses[each] > 0.0 for each in below):

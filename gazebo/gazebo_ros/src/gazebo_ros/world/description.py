@@ -213,7 +213,7 @@ def drop_strangers(robot):
         warnings.append("<gazebo reference='%s'>: there is no such link or joint: ignored" % reference)
     joints = {joint.get("name") for joint in robot.findall("joint")}
     for transmission in robot.findall("transmission"):
-        strangers = [end.get("name") for end in transmission.findall("joint") if end.get("name") not in joints]
+        strangers = [end.get("name", "") for end in transmission.findall("joint") if end.get("name", "") not in joints]
         if strangers:
             robot.remove(transmission)
             warnings.append("<transmission name='%s'>: there is no joint '%s': ignored" %
