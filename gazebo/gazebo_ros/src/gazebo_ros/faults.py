@@ -52,7 +52,8 @@ FAULTS: typing.Dict[str, Fault] = {
                    "limits exclude its own", "it is left out: the joint moves by itself"),
     "joint": Fault("joint", "anything else that the simulator refuses", "it is held (`fixed`)"),
     # --- shapes and looks
-    "origin": Fault("`<origin>`, `<pose>`", "anything but six numbers", "zeros"),
+    "origin": Fault("`<origin>`, `<pose>`", "anything but three numbers (six in a pose)",
+                    "the first three, else zeros"),
     "shape": Fault("`<visual>`, `<collision>`", "no shape, an unknown one, a size that is not above 0, or a mesh "
                    "that cannot be read", LEFT_OUT),
     "texture": Fault("mesh, material", "a picture that cannot be read (`.webp`), or is not there", "the plain colour"),
@@ -72,7 +73,7 @@ FAULTS: typing.Dict[str, Fault] = {
     "topic": Fault("plugin", "a service that another plugin offers", "the first one's answers"),
     # --- documents of SDF
     "version": Fault("`<sdf>`", "a version that is none, or is missing", "1.6"),
-    "name": Fault("element of SDF or URDF", "no name", "a name is made"),
+    "name": Fault("element of SDF, sensor", "no name, or a link called `world`", "a name is made"),
     "element": Fault("element of SDF", "libsdformat refuses it", "SDF's default, or " + LEFT_OUT),
 }
 

@@ -24,12 +24,15 @@ NAMED = ("model", "link", "joint", "frame", "visual", "collision", "sensor", "li
 #: Attributes and tags that refer to a name.
 REFERRING = ("name", "relative_to", "frame", "attached_to", "expressed_in", "canonical_link", "placement_frame")
 ENDS = ("parent", "child")
+RESERVED, RESERVED_INSTEAD = "world", "world_link"  #: of a link; joints mean the world itself by it
 VERSION = re.compile(r"^1\.\d+$")
 NEWEST_READ_BY_ALL = "1.6"
 PLACE = re.compile(r"Error reading element <(?P<tag>[^>]*)> \([^()]*:(?P<line>\d+)\)")
 FILE = re.compile(r"Unable to read file\[(?P<file>[^\]]*)\]")
 PREFIX = re.compile(r"(</?|\s)(?!xml)([\w.-]+):(?=[\w.-]+[\s=/>])")
-UNBOUND = xml.parsers.expat.errors.codes[xml.parsers.expat.errors.XML_ERROR_UNBOUND_PREFIX]
+DECLARATION = re.compile(r"<\?xml\s.*?\?>", re.DOTALL)
+UNBOUND, MISPLACED = (xml.parsers.expat.errors.codes[each] for each in (
+    xml.parsers.expat.errors.XML_ERROR_UNBOUND_PREFIX, xml.parsers.expat.errors.XML_ERROR_MISPLACED_XML_PI))
 MOST_FAULTS = 200  #: of one document
 Find = typing.Callable[[str], str]
 
@@ -193,6 +196,11 @@ class Reader:
                     self.warnings.append(told("name", "%s: %s" % (name, shown(element, parent)), "no name", made))
                     element.set("name", made)
                     changed = True
+                if element.tag == "link" and element.get("name") == RESERVED:
+                    self.warnings.append(told("name", "%s: %s" % (name, shown(element, parent)), "a reserved name",
+                                              RESERVED_INSTEAD))
+                    element.set("name", RESERVED_INSTEAD)
+                    changed = True
                 if SCOPE in element.get("name", ""):
                     scoped.add(element.get("name"))
         if not scoped:
@@ -207,14 +215,18 @@ class Reader:
 
 
 def parsed(text: str) -> ElementTree.Element:
-    """Returns the root of a document; prefixes of names that nothing declares become a part of the names, as in
-    Gazebo's reader. Raises: ElementTree.ParseError, ValueError: no XML."""
+    """Returns the root of a document. As Gazebo's reader does, it takes prefixes of names that nothing declares, which
+    become a part of the names, a declaration that is not the first thing in it, and zero bytes at its end.
+
+    Raises: ElementTree.ParseError, ValueError: no XML.
+    """
+    text = text.rstrip("\0")
     try:
         return ElementTree.fromstring(text)
     except ElementTree.ParseError as error:
-        if error.code != UNBOUND:
+        if error.code not in (UNBOUND, MISPLACED):
             raise
-    return ElementTree.fromstring(PREFIX.sub(r"\1\2_", text))
+    return ElementTree.fromstring(PREFIX.sub(r"\1\2_", DECLARATION.sub("", text)))
 
 
 def text_of(path: str) -> str:

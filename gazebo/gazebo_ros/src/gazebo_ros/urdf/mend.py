@@ -70,8 +70,15 @@ def _mend_origin(part: ElementTree.Element, what: str, warnings: Warnings) -> No
     for origin in part.findall("origin"):
         for key, most in (("xyz", LARGEST), ("rpy", LARGEST_ANGLE)):
             if origin.get(key) is not None and numbers_in(origin.get(key), 3, most) is None:
-                warnings.append(told("origin", "%s: <origin>" % what, _shown(origin, key)))
-                del origin.attrib[key]
+                nearest = _first_three(origin.get(key, ""), most)
+                warnings.append(told("origin", "%s: <origin>" % what, _shown(origin, key), nearest))
+                origin.set(key, nearest or "0 0 0")
+
+
+def _first_three(text: str, most: float) -> str:
+    """Returns the first three numbers of a text that has more, or commas between them; "" where there are none."""
+    words = text.replace(",", " ").split()[:3]
+    return " ".join(words) if numbers_in(" ".join(words), 3, most) is not None else ""
 
 
 # --- inertia

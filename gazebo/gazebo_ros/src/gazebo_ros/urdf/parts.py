@@ -41,6 +41,11 @@ def without_refused(robot: ElementTree.Element, ask: Ask) -> typing.Tuple[Elemen
     return mended, warnings
 
 
+def cause(fault: str, what: str) -> str:
+    """Returns what the simulator says of a part, without the name that the line about it begins with."""
+    return fault.replace(what + ": ", "", 1)
+
+
 def _document(*elements: ElementTree.Element) -> ElementTree.Element:
     robot = ElementTree.Element("robot", name="part")
     robot.extend(elements)
@@ -68,10 +73,10 @@ def _ask_shapes(link: ElementTree.Element, ask: Ask, warnings: Warnings) -> None
             plain = mend(part)
             if plain is not None and not ask(_document(_bare(name, plain)), False):
                 link.insert(list(link).index(part), plain)
-                warnings.append(told("texture", what, fault))
+                warnings.append(told("texture", what, cause(fault, what)))
                 break
         else:
-            warnings.append(told("shape", what, fault))
+            warnings.append(told("shape", what, cause(fault, what)))
         link.remove(part)
 
 
