@@ -32,7 +32,8 @@ SAVED = """<sdf version='1.6'><world name='default'>
 <surface><friction><ode><mu>1</mu><mu2>1</mu2></ode></friction></surface></collision></link>
 <link name='hand::palm'><pose frame=''>0.5 0 0 0 0 0</pose><inertial><mass>0.2</mass></inertial>
 <visual name='v'><pose frame=''>0 0 0 0 0 0</pose>
-<geometry><cylinder><radius>0.1</radius><length>0.2</length></cylinder></geometry><material><diffuse>1 0 0 1</diffuse></material></visual>
+<geometry><cylinder><radius>0.1</radius><length>0.2</length></cylinder></geometry>
+<material><diffuse>1 0 0 1</diffuse></material></visual>
 <sensor name='eye' type='camera'><update_rate>10</update_rate><camera><horizontal_fov>1</horizontal_fov><image>
 <width>16</width><height>12</height><format>R8G8B8</format></image><clip><near>0.1</near><far>20</far></clip></camera>
 <plugin name='p' filename='libgazebo_ros_camera.so'><cameraName>eye</cameraName></plugin></sensor></link>
