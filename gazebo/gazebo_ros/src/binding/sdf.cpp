@@ -5,7 +5,9 @@
 
 #include <filesystem>
 #include <functional>
+#include <iostream>
 #include <sdf/sdf.hh>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -39,6 +41,20 @@ std::string shown(const sdf::Error& error) {
   return error.FilePath() ? text + ")" : text;
 }
 
+/** Keeps std::cerr quiet for as long as it lives: libsdformat prints what it also returns, and tries whatever is no SDF
+ *  as a URDF, of which urdfdom complains. */
+class QuietErrors {
+ public:
+  QuietErrors() : before_(std::cerr.rdbuf(sink_.rdbuf())) {}
+  ~QuietErrors() { std::cerr.rdbuf(before_); }
+  QuietErrors(const QuietErrors&) = delete;
+  QuietErrors& operator=(const QuietErrors&) = delete;
+
+ private:
+  std::ostringstream sink_;
+  std::streambuf* before_;
+};
+
 /** An empty document. The specification is parsed once, which takes a quarter of a second. */
 sdf::SDFPtr emptyDocument() {
   static const sdf::SDFPtr specification = [] {
@@ -56,6 +72,7 @@ sdf::SDFPtr emptyDocument() {
  *  @throws std::invalid_argument if it is no SDF, or libsdformat gives up */
 std::pair<std::string, std::vector<std::string>> expanded(const std::string& source, bool is_path, const Find& find) {
   sdf::Console::Instance()->SetQuiet(true);  // what it would print comes back as a value
+  const QuietErrors quiet;
   sdf::ParserConfig config;
   config.SetFindCallback(find);
   config.SetWarningsPolicy(sdf::EnforcementPolicy::ERR);
