@@ -46,7 +46,9 @@ class Reader:
     def __init__(self, find: Find) -> None:
         """Args: find: path of what a URI names, "" where it is nowhere."""
         self.warnings: typing.List[str] = []
-        self._find, self._texts, self._copies = find, {}, {}
+        self._find, self._folder = find, ""
+        self._texts: typing.Dict[str, str] = {}   # of files that are included, as libsdformat reads them
+        self._copies: typing.Dict[str, str] = {}  # of folders
         self._places: typing.Dict[str, str] = {}  # where the copies are -> what they are of
 
     def expanded(self, source: str, is_path: bool) -> ElementTree.Element:
@@ -54,7 +56,8 @@ class Reader:
 
         Raises: ModelError: names the file, where there is one, and what is wrong with it.
         """
-        with tempfile.TemporaryDirectory(prefix="gazebo_ros_") as self._folder:
+        with tempfile.TemporaryDirectory(prefix="gazebo_ros_") as folder:
+            self._folder = folder
             text, messages = self._read(source if is_path else "", None if is_path else source)
         for place, original in self._places.items():
             text = text.replace(place, original)

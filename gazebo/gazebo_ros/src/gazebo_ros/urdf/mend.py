@@ -264,16 +264,14 @@ def _mend_limit(joint: ElementTree.Element, what: str, warnings: Warnings) -> No
         if value is None or value < 0.0 or key == "velocity" and value == 0.0:
             warnings.append(told(fault, what + ": <limit>", _shown(limit, key)))
             limit.set(key, repr(most))
-    ends = {key: number_in(limit, key) if limit.get(key) is not None else 0.0 for key in ("lower", "upper")}
-    wrong = [key for key, value in ends.items() if value is None]
-    if wrong:
-        warnings.append(told("no limit", what + ": <limit>", _shown(limit, wrong[0])))
+    lower, upper = (number_in(limit, key) if limit.get(key) is not None else 0.0 for key in ("lower", "upper"))
+    if lower is None or upper is None:
+        warnings.append(told("no limit", what + ": <limit>", _shown(limit, "lower" if lower is None else "upper")))
         _free(joint, limit)
-    elif kind in BOUNDED and typing.cast(float, ends["lower"]) > typing.cast(float, ends["upper"]):
-        warnings.append(told("limits swapped", what + ": <limit>", "lower %g > upper %g" %
-                             (ends["lower"], ends["upper"])))
-        limit.set("lower", repr(ends["upper"]))
-        limit.set("upper", repr(ends["lower"]))
+    elif kind in BOUNDED and lower > upper:
+        warnings.append(told("limits swapped", what + ": <limit>", "lower %g > upper %g" % (lower, upper)))
+        limit.set("lower", repr(upper))
+        limit.set("upper", repr(lower))
 
 
 def _limit(joint: ElementTree.Element) -> ElementTree.Element:
@@ -310,14 +308,14 @@ def _mend_mimics(robot: ElementTree.Element, warnings: Warnings) -> None:
     joints = {joint.get("name", ""): joint for joint in robot.findall("joint")}
     for joint in joints.values():
         for mimic in joint.findall("mimic"):
-            fault = _mimic_fault(joint, mimic, joints)
-            if fault:
-                warnings.append(told("mimic", "joint '%s': <mimic>" % joint.get("name"), fault))
+            wrong = _mimic_fault(joint, mimic, joints)
+            if wrong:
+                warnings.append(told("mimic", "joint '%s': <mimic>" % joint.get("name"), wrong))
                 joint.remove(mimic)
     ranges = {name: _range_of(joint) for name, joint in joints.items()}
     for name, joint in joints.items():
-        mimic = joint.find("mimic")
-        if mimic is None or joint.get("type") == "fixed":
+        own = joint.find("mimic")
+        if own is None or joint.get("type") in ("fixed", "floating"):
             continue
         leader, multiplier, offset = _followed(joint, joints)
         if multiplier == 0.0:
@@ -327,7 +325,7 @@ def _mend_mimics(robot: ElementTree.Element, warnings: Warnings) -> None:
         if lower > upper:
             warnings.append(told("mimic", "joint '%s': <mimic>" % name,
                                  "limits of the two joints that exclude each other"))
-            joint.remove(mimic)
+            joint.remove(own)
         else:
             ranges[leader] = (lower, upper)
 
