@@ -93,6 +93,8 @@ def test_limits_and_types_of_a_joint(parts, expected, name):
     ({"visual": "<collision><geometry><capsule/></geometry></collision>"}, "<capsule>"),
     ({"visual": "<visual><geometry><mesh filename='file:///none.obj'/></geometry></visual>"}, "none.obj"),
     ({"more": "<gazebo reference='tip'><light name='lamp' type='moon'/></gazebo>"}, "'lamp'"),
+    ({"more": "<gazebo reference='tip'><mu1>much</mu1></gazebo>"}, "'much'"),
+    ({"more": "<gazebo reference='tip'><mu1>1e6</mu1></gazebo>"}, "1e+06"),
     ({"more": "<gazebo><plugin name='i' filename='libgazebo_ros_imu.so'><bodyName>tip</bodyName>"
               "<updateRate>x</updateRate></plugin></gazebo>"}, "<updateRate> 'x'")])
 def test_a_fault_costs_its_part_alone(parts, names):

@@ -59,6 +59,8 @@ FAULTS: typing.Dict[str, Fault] = {
     "texture": Fault("mesh, material", "a picture that cannot be read (`.webp`), or is not there", "the plain colour"),
     "look": Fault("tag of `<gazebo reference>`", "anything that the simulator refuses", LEFT_OUT),
     "friction": Fault("`<mu1>`, `<mu>`", "a coefficient above 1000", "1000, beyond which nothing slides either"),
+    "coefficient": Fault("`<mu1>`, `<mu>`", "no number, or one below 0", "Gazebo's default, 1"),
+    "intensity": Fault("`<laserRetro>`", "no number, or one below 0", "0"),
     "light": Fault("`<light>`", "anything that the simulator refuses", LEFT_OUT),
     # --- cameras
     "camera": Fault("camera sensor", "no `<camera>`, or an element of it is missing", "SDF's defaults: 320 x 240 "

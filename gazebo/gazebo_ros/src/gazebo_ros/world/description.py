@@ -115,8 +115,8 @@ def read_description(xml, namespace, model):
     self_collides = {link for link, words in said(robot, "selfCollide", "self_collide") if is_true(words)}
     off = {link for link, words in said(robot, "turnGravityOff") if is_true(words)}
     off |= {link for link, words in said(robot, "gravity") if words.lower() in ("false", "0")}
-    frictions, retros = (numbers_of(said(robot, *tags), links)
-                         for tags in (("mu1", "mu2"), ("laserRetro", "laser_retro")))
+    frictions, retros = (numbers_of(said(robot, *tags), links, fault, warnings) for fault, tags in
+                         (("coefficient", ("mu1", "mu2")), ("intensity", ("laserRetro", "laser_retro"))))
     for link, value in frictions.items():
         if value > MOST_FRICTION:
             warnings.append(told("friction", "link '%s': friction" % link, "%g" % value))
@@ -148,16 +148,19 @@ def is_true(words):
     return words.lower() in TRUE
 
 
-def numbers_of(entries, links):
-    """dict of link -> the first number >= 0 that is said of it."""
+def numbers_of(entries, links, fault, warnings):
+    """dict of link -> the first number >= 0 that is said of it. Args: fault: key of what else is said, for a warning.
+    """
     found = {}
     for link, words in entries:
         try:
             value = float(words)
         except ValueError:
-            continue
+            value = -1.0
         if link in links and value >= 0.0:
             found.setdefault(link, value)
+        elif link in links:
+            warnings.append(told(fault, "link '%s'" % link, "'%s'" % words))
     return found
 
 
