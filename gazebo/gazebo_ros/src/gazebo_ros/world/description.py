@@ -8,6 +8,7 @@ from aras_visual_servo_sim import ModelError
 from .depth_cameras import CameraTopics, is_realsense, read_kinects, read_realsense
 from .devices import TRUE, DiffDrive, joined, motorize, read_device, text
 from .looks import drop_missing_meshes, paint_as_gazebo
+from ..urdf.unexpanded import require_expanded
 
 #: Plugins that are part of the simulator, by a piece of their file name.
 CONTROL, CAMERA = "gazebo_ros_control", "camera"
@@ -69,6 +70,7 @@ def read_description(xml, namespace, model):
         raise ModelError("SpawnModel: Failure - entity format is invalid: %s" % error) from error
     if robot.tag != "robot":
         raise ModelError("SpawnModel: Failure - entity format is invalid: found <%s>, allowed is <robot>" % robot.tag)
+    require_expanded(robot)
     warnings = drop_strangers(robot) + drop_missing_meshes(robot)
     free_followers(robot, warnings)
     paint_as_gazebo(robot)
