@@ -37,7 +37,7 @@ class Server:
         """Args: settings: WorldSettings.  folders: Folders."""
         self.world, self.work, self.paused = World(settings, folders), Work(), paused
         self.update_rate_hz = UPDATE_RATE_HZ
-        self._interfaces = {}
+        self._interfaces, self._of_world = {}, []
         self._lockstep = rospy.get_param(LOCKSTEP, "")
         self._asked_s = None  #: wall time at which an image was sent that is not answered yet
         self._clock = rospy.Publisher("/clock", Clock, queue_size=10)
@@ -72,6 +72,7 @@ class Server:
                 warnings.append("model '%s': %s" % (model.name, error))
         for warning in warnings:
             rospy.logwarn("world: %s" % warning)
+        self._of_world += [outlet_of(device)(self.world, None, device, self.work) for device in file.devices]
         self._restart_pace()
 
     def _welcome(self, model):
@@ -171,6 +172,7 @@ class Server:
     def _outlets(self):
         yield self._states
         yield self._pushes
+        yield from self._of_world
         for interfaces in self._interfaces.values():
             yield from interfaces
 

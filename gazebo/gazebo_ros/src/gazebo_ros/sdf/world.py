@@ -6,6 +6,7 @@ import numpy
 
 from aras_visual_servo_sim import ModelError
 
+from ..world.plugins import read_world_device
 from ..world.settings import WorldSettings
 from .document import expanded, number, numbers, pose_of
 from .model import model_of
@@ -29,12 +30,14 @@ class WorldFile:
         models: SdfModel with the X_WM of each, (4, 4), in the order of the file.
         lights: text of <light> by name.
         warnings: what is ignored, a line each.
+        devices: what plugins of the world do, of world/plugins.
     """
     settings: WorldSettings
     update_rate_hz: float
     models: tuple
     lights: dict
     warnings: tuple
+    devices: tuple = ()
 
 
 def read_world(source, is_path, folders):
@@ -65,15 +68,18 @@ def read_world(source, is_path, folders):
                 element.remove(old)
             element.append(state.find("pose"))
         lights[element.get("name")] = ElementTree.tostring(element, encoding="unicode")
+    devices = []
     for child in world:
-        if child.tag == "plugin":
+        if child.tag == "plugin" and read_world_device(child) is not None:
+            devices.append(read_world_device(child))
+        elif child.tag == "plugin":
             warnings.append("plugin %s of the world is not simulated: ignored" % child.get("filename"))
         elif child.tag not in QUIET:
             name = child.get("name")
             warnings.append("<%s%s> of the world is not simulated: ignored" %
                             (child.tag, " name='%s'" % name if name else ""))
     rate_hz = number(world, "physics/real_time_update_rate", 1000.0, "physics")
-    return WorldFile(settings, rate_hz, tuple(models), lights, tuple(warnings))
+    return WorldFile(settings, rate_hz, tuple(models), lights, tuple(warnings), tuple(devices))
 
 
 def is_ground(model, X_WM):

@@ -6,8 +6,11 @@ import xml.etree.ElementTree as ElementTree
 from aras_visual_servo_sim import ModelError
 
 from .depth_cameras import CameraTopics, is_realsense, read_kinects, read_realsense
-from .devices import TRUE, DiffDrive, joined, motorize, read_device, text
+from .devices import TRUE, file_of, joined, motorize, text
 from .looks import drop_missing_meshes, paint_as_gazebo
+from .multicameras import split_multicameras, take_prosilicas
+from .plugins import read_device
+from ..sdf.gazebo_materials import replace_pictures
 from ..urdf.unexpanded import require_expanded
 
 #: Plugins that are part of the simulator, by a piece of their file name.
@@ -73,13 +76,17 @@ def read_description(xml, namespace, model):
     require_expanded(robot)
     warnings = drop_strangers(robot) + drop_missing_meshes(robot)
     free_followers(robot, warnings)
+    split_multicameras(robot, warnings)
+    take_prosilicas(robot, warnings)
+    warnings += replace_pictures(robot)
     paint_as_gazebo(robot)
     control, devices = "", []
     seeing = deep_cameras_of(robot, namespace, warnings)
     for gazebo, plugin in [(each, plugin) for each in robot.findall("gazebo") for plugin in each.findall("plugin")]:
         gazebo.remove(plugin)  # the simulator would warn of what is used here
         file = plugin.get("filename", "")
-        device = read_device(robot, plugin, None, "", joined(text(plugin, "robotNamespace", namespace)), warnings)
+        device = read_device(robot, plugin, None, "", joined(text(plugin, "robotNamespace", namespace)), warnings,
+                             "" if namespace else model)
         if CONTROL in file:
             control = joined(text(plugin, "robotNamespace", namespace or model))
         elif device is not None:
@@ -89,7 +96,7 @@ def read_description(xml, namespace, model):
     devices += sensors_of(robot, namespace, warnings)
     actuated = tuple(sorted({end.get("name") for end in robot.findall("transmission/joint")}))
     for device in devices:
-        if isinstance(device, DiffDrive):
+        if device.motors():
             motorize(robot, device)
     links = {link.get("name") for link in robot.findall("link")}
     heavy = {link.get("name") for link in robot.findall("link") if link.find("inertial") is not None}
@@ -180,8 +187,9 @@ def sensors_of(robot, namespace, warnings):
                      for plugin in sensor.findall("plugin")]
             devices += [device for device in found if device is not None]
             if sensor.find("plugin") is not None and not any(found):
-                warnings.append("sensor '%s' of type %s is not simulated: ignored" %
-                                (sensor.get("name"), sensor.get("type")))
+                warnings.append("sensor '%s' of type %s: plugin %s is not simulated: ignored" %
+                                (sensor.get("name"), sensor.get("type"), " and ".join(
+                                    file_of(plugin) or "without a file" for plugin in sensor.findall("plugin"))))
     return devices
 
 
@@ -215,7 +223,8 @@ def cameras_of(robot, namespace, warnings):
             plugin = sensor.find("plugin")
             if plugin is None or CAMERA not in plugin.get("filename", ""):
                 gazebo.remove(sensor)
-                warnings.append("camera '%s' has no plugin that publishes it: ignored" % sensor.get("name"))
+                warnings.append("camera '%s' has no plugin that publishes it%s: ignored" % (
+                    sensor.get("name"), "" if plugin is None else ", %s is not simulated" % file_of(plugin)))
                 continue
             name = text(plugin, "cameraName", sensor.get("name", "")).lstrip("/")
             place = joined(text(plugin, "robotNamespace", namespace), name)

@@ -11,28 +11,56 @@ from ..sdf.document import pose_of
 
 TRUE = ("true", "1")  #: how a tag says yes, in lower case
 
-_READERS = {}
+_READERS, _OF_WORLD = {}, {}
+_IN_MODEL = set()  #: files of plugins that have the model's name for a namespace where nobody names one
 
 
-def reads(*files):
-    """Decorator: this function reads plugins of these file names: f(plugin, sensor, link, namespace)."""
+def reads(*files, in_model=False):
+    """Decorator: this function reads plugins of these file names: f(plugin, sensor, link, namespace).
+
+    Args: in_model: topics are in a namespace of the model's name where nobody names another.
+    """
     def note(reader):
         _READERS.update((file, reader) for file in files)
+        if in_model:
+            _IN_MODEL.update(files)
         return reader
     return note
 
 
-def read_device(robot, plugin, sensor, link, namespace, warnings):
+def reads_of_world(*files):
+    """Decorator: this function reads plugins of a world of these file names: f(plugin) -> Device."""
+    def note(reader):
+        _OF_WORLD.update((file, reader) for file in files)
+        return reader
+    return note
+
+
+def file_of(plugin):
+    """Name of a plugin's file, without folders."""
+    return plugin.get("filename", "").rpartition("/")[2]
+
+
+def read_world_device(plugin):
+    """Returns what a plugin of a world does, a Device, or None: it is not simulated. Raises: ValueError."""
+    reader = _OF_WORLD.get(file_of(plugin))
+    return None if reader is None else reader(plugin)
+
+
+def read_device(robot, plugin, sensor, link, namespace, warnings, model=""):
     """
     Args:
         robot: element of the URDF.  plugin: its element.  sensor: element that it stands in, None for none.
         link: that the element refers to.  namespace: full name, of the device's topics.
         warnings: gets a line when a device is not made.
+        model: name of the model where nobody names a namespace, else "".
     Returns: A device, or None: no plugin of this kind, or one that names joints or links that are not there.
     """
-    reader = _READERS.get(plugin.get("filename", "").rpartition("/")[2])
+    reader = _READERS.get(file_of(plugin))
     if reader is None:
         return None
+    if file_of(plugin) in _IN_MODEL and model and namespace == "/":
+        namespace = "/" + model
     try:
         device = reader(plugin, sensor, link, namespace)
     except ValueError as error:
@@ -52,6 +80,10 @@ class Device:
         return ()
 
     def links(self):
+        return ()
+
+    def motors(self):
+        """Names of the joints that it turns with motors of its torque_n_m."""
         return ()
 
 
@@ -78,6 +110,9 @@ class DiffDrive(Device):
 
     def joints(self):
         return self.left, self.right
+
+    def motors(self):
+        return self.joints()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -247,8 +282,8 @@ def laser(plugin, sensor, link, namespace):
 
 
 def motorize(robot, drive):
-    """Gives the two wheels velocity motors of the drive's torque: a transmission and a limit in the URDF."""
-    for name in drive.joints():
+    """Gives the wheels velocity motors of the drive's torque: a transmission and a limit in the URDF."""
+    for name in drive.motors():
         for transmission in robot.findall("transmission"):
             if name in [end.get("name") for end in transmission.findall("joint")]:
                 robot.remove(transmission)
