@@ -41,6 +41,11 @@ def file_of(plugin):
     return plugin.get("filename", "").rpartition("/")[2]
 
 
+def is_read(file):
+    """Whether a plugin of this file name is a device of a model or a world."""
+    return file in _READERS or file in _OF_WORLD
+
+
 def read_world_device(plugin):
     """Returns what a plugin of a world does, a Device, or None: it is not simulated. Raises: ValueError."""
     reader = _OF_WORLD.get(file_of(plugin))
