@@ -54,8 +54,11 @@ def main(arguments=None):
     name = next((word for word in words if word and ":=" not in word), "")
     try:
         path = launch_file(options.package, name)
-    except (OSError, rospkg.ResourceNotFound) as error:
-        print("gazebo-doctor: %s" % str(error).split("\n", maxsplit=1)[0])
+    except rospkg.ResourceNotFound:
+        print("gazebo-doctor: there is no package '%s' in ROS_PACKAGE_PATH" % options.package)
+        return 2
+    except OSError as error:
+        print("gazebo-doctor: %s" % error)
         return 2
     lines = table(examine(path, given), rospkg.RosPack())
     print("\n".join(lines) if lines else "%s: nothing is missing" % path)
