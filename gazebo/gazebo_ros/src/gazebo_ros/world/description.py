@@ -7,6 +7,7 @@ from aras_visual_servo_sim import ModelError
 
 from .depth_cameras import CameraTopics, is_realsense, read_kinects, read_realsense
 from .devices import TRUE, file_of, joined, motorize, text
+from .lenses import replace_lenses
 from .looks import drop_missing_meshes, paint_as_gazebo
 from .multicameras import split_multicameras, take_prosilicas
 from .plugins import read_device
@@ -77,6 +78,7 @@ def read_description(xml, namespace, model):
     warnings = drop_strangers(robot) + drop_missing_meshes(robot)
     free_followers(robot, warnings)
     split_multicameras(robot, warnings)
+    replace_lenses(robot, warnings)
     take_prosilicas(robot, warnings)
     warnings += replace_pictures(robot)
     paint_as_gazebo(robot)
