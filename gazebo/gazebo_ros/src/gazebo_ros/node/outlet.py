@@ -60,8 +60,8 @@ class Outlet:
         try:
             self._ends.append(rospy.Service(name, kind, respond).shutdown)
         except rospy.ServiceException:
-            rospy.logerr(told("topic", "model '%s': service %s" % (self.model and self.model.name, name),
-                              "it served already"))
+            owner = "model '%s'" % self.model.name if self.model is not None else "world"
+            rospy.logerr(told("topic", "%s: service %s" % (owner, name), "it served already"))
 
     def ends_with(self, action):
         """action() is called at the end."""

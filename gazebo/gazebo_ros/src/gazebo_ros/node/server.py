@@ -38,7 +38,7 @@ class Server:
         """Args: settings: WorldSettings.  folders: Folders."""
         self.world, self.work, self.paused = World(settings, folders), Work(), paused
         self.update_rate_hz = UPDATE_RATE_HZ
-        self._interfaces = {}
+        self._interfaces, self._of_world = {}, []
         self._lockstep = rospy.get_param(LOCKSTEP, "")
         self._asked_s = None  #: wall time at which an image was sent that is not answered yet
         self._clock = rospy.Publisher("/clock", Clock, queue_size=10)
@@ -74,6 +74,8 @@ class Server:
         self.world.before_ground = {model.name for model, _ in file.models[:file.ground_at]} & set(self.world.models)
         for warning in dict.fromkeys(warnings):
             rospy.logwarn("world: %s" % warning)
+        makers = [functools.partial(outlet_of(device), self.world, None, device, self.work) for device in file.devices]
+        self._of_world += self._opened("world", makers)
         self._restart_pace()
 
     def _welcome(self, model):
@@ -86,21 +88,28 @@ class Server:
             makers.append(functools.partial(ControllerManager, self.world, model, self.work))
         makers += [functools.partial(outlet_of(device), self.world, model, device, self.work)
                    for device in model.description.devices]
-        self._interfaces[name] = []
+        self._interfaces[name] = self._opened("model '%s'" % name, makers)
+
+    @staticmethod
+    def _opened(owner, makers):
+        """What these functions make; what they cannot is left out, with an error."""
+        made = []
         for make in makers:
             try:
-                self._interfaces[name].append(make())
+                made.append(make())
             except Exception as error:  # of rospy: a name that ROS does not allow, a topic of another type
-                rospy.logerr(told("plugin", "model '%s': %s" % (name, make.func.__name__), named(error)))
+                rospy.logerr(told("plugin", "%s: %s" % (owner, make.func.__name__), named(error)))
+        return made
 
     def _leave_out(self, outlet, error):
         """Closes what a plugin publishes: it cannot go on, the world can."""
-        name = next((name for name, interfaces in self._interfaces.items() if outlet in interfaces), None)
-        if name is None:
+        owner = next((each for each in (self._of_world, *self._interfaces.values()) if outlet in each), None)
+        if owner is None:
             raise error
-        self._interfaces[name].remove(outlet)
+        owner.remove(outlet)
         outlet.close()
-        rospy.logerr(told("plugin", "model '%s': %s" % (name, type(outlet).__name__), named(error)))
+        name = "world" if owner is self._of_world else "model '%s'" % outlet.model.name
+        rospy.logerr(told("plugin", "%s: %s" % (name, type(outlet).__name__), named(error)))
 
     def delete(self, name):
         for interface in self._interfaces.pop(name):
@@ -188,6 +197,7 @@ class Server:
     def _outlets(self):
         yield self._states
         yield self._pushes
+        yield from self._of_world
         for interfaces in self._interfaces.values():
             yield from interfaces
 

@@ -7,6 +7,7 @@ import numpy
 from aras_visual_servo_sim import ModelError
 
 from ..faults import told
+from ..world.plugins import read_world_device
 from ..world.settings import WorldSettings
 from .document import expanded, number, numbers, pose_of
 from .model import model_of
@@ -33,6 +34,7 @@ class WorldFile:
         ground_at: number of models before the ground plane.
         lights: text of <light> by name.
         warnings: what is ignored, a line each.
+        devices: what plugins of the world do, of world/plugins.
     """
     settings: WorldSettings
     update_rate_hz: float
@@ -40,6 +42,7 @@ class WorldFile:
     lights: dict
     warnings: tuple
     ground_at: int = 0
+    devices: tuple = ()
 
 
 def read_world(source, is_path, folders):
@@ -71,15 +74,28 @@ def read_world(source, is_path, folders):
                 element.remove(old)
             element.append(state.find("pose"))
         lights[element.get("name")] = ElementTree.tostring(element, encoding="unicode")
+    devices = []
     for child in world:
         if child.tag == "plugin":
-            warnings.append("plugin %s of the world is not simulated: ignored" % child.get("filename"))
+            devices += world_device(child, warnings)
         elif child.tag not in QUIET:
             name = child.get("name")
             warnings.append("<%s%s> of the world is not simulated: ignored" %
                             (child.tag, " name='%s'" % name if name else ""))
     rate_hz = max(0.0, tried(number, warnings, world, "physics/real_time_update_rate", 1000.0))
-    return WorldFile(settings, rate_hz, tuple(models), lights, tuple(warnings), ground_at)
+    return WorldFile(settings, rate_hz, tuple(models), lights, tuple(warnings), ground_at, tuple(devices))
+
+
+def world_device(plugin, warnings):
+    """What a plugin of the world does, in a list: [] and a warning where it does nothing."""
+    try:
+        device = read_world_device(plugin)
+    except ValueError as error:
+        warnings.append(told("plugin", "plugin %s of the world" % plugin.get("filename"), error))
+        return []
+    if device is None:
+        warnings.append("plugin %s of the world is not simulated: ignored" % plugin.get("filename"))
+    return [] if device is None else [device]
 
 
 def is_ground(model, X_WM):

@@ -6,9 +6,6 @@ from aras_visual_servo_sim import ModelError
 
 from ..faults import REFUSED
 
-#: Of a URDF, and of what is written beside it.
-TAGS = ("link", "joint", "material", "transmission", "gazebo", "sensor", "origin", "author", "group", "group_state",
-        "ros2_control", "disable_collisions", "end_effector", "virtual_joint", "passive_joint", "gripper", "model")
 WORLD = "world"  #: the root link that is the world itself
 DESCRIBED_BY = "described_by"  #: attribute of <robot>: "sdf" where the document was written from one of SDF
 #: Of <gazebo reference=JOINT>: the fixed joint's child stays a link of its own.
@@ -18,27 +15,8 @@ PRESERVED = ("preserveFixedJoint", "disableFixedJointLumping")
 def check_tree(robot: ElementTree.Element) -> None:
     """Checks what urdfdom, and so Gazebo, refuses a whole robot for: names, and links that do not make one tree.
 
-    Raises: ModelError: names the first link or joint, what was found and what is allowed; and tags that look like
-    calls of a macro, since these are often why a link is not there.
+    Raises: ModelError: names the first link or joint, what was found and what is allowed.
     """
-    try:
-        _check_tree(robot)
-    except ModelError as error:
-        raise ModelError("%s%s" % (error, _hint(robot))) from error
-
-
-def _hint(robot: ElementTree.Element) -> str:
-    """Returns what to say about tags that xacro left in a document, "" where there are none."""
-    left = list(dict.fromkeys(element.tag for element in robot if element.tag not in TAGS))
-    if not left:
-        return ""
-    calls = [tag.rpartition("}")[2] for tag in left]
-    return " (found <%s>, which no URDF has: xacro reads macros, properties and includes with the prefix alone, as " \
-        "<xacro:%s>; `sed -i 's/<\\(\\/\\?\\)%s\\b/<\\1xacro:%s/g' FILE` writes it)" % (
-            ">, <".join(calls), calls[0], calls[0], calls[0])
-
-
-def _check_tree(robot: ElementTree.Element) -> None:
     links = names_of(robot, "link")
     names_of(robot, "joint")
     parents: typing.Dict[str, str] = {}

@@ -11,8 +11,13 @@ from ..urdf.mend import base_mass, mend
 from ..urdf.sensors import mend_sensors
 from ..urdf.tree import PRESERVED, check_tree, lumped_links
 from .depth_cameras import CameraTopics, is_realsense, own_name, place_of, read_kinects, read_realsense
-from .devices import TRUE, DiffDrive, joined, motorize, named, namespace_of, read_device, text
+from .devices import TRUE, file_of, joined, motorize, named, namespace_of, text
+from .lenses import replace_lenses
 from .looks import drop_missing_meshes, paint_as_gazebo
+from .multicameras import split_multicameras, take_prosilicas
+from .plugins import read_device
+from ..sdf.gazebo_materials import replace_pictures
+from ..urdf.unexpanded import require_expanded
 
 #: Plugins that are part of the simulator, by a piece of their file name.
 CONTROL, CAMERA = "gazebo_ros_control", "camera"
@@ -76,12 +81,17 @@ def read_description(xml, namespace, model):
         raise ModelError("SpawnModel: Failure - entity format is invalid: %s" % error) from error
     if robot.tag != "robot":
         raise ModelError("SpawnModel: Failure - entity format is invalid: found <%s>, allowed is <robot>" % robot.tag)
+    require_expanded(robot)
     check_tree(robot)
     warnings = []
     mend(robot, warnings)
     warnings += drop_strangers(robot) + drop_missing_meshes(robot)
     mend_sensors(robot, warnings)
     free_followers(robot, warnings)
+    split_multicameras(robot, warnings)
+    replace_lenses(robot, warnings)
+    take_prosilicas(robot, warnings)
+    warnings += replace_pictures(robot)
     paint_as_gazebo(robot)
     control, devices = "", []
     cameras = cameras_of(robot, namespace, model, warnings)
@@ -98,7 +108,7 @@ def read_description(xml, namespace, model):
     devices += sensors_of(robot, namespace, model, warnings)
     actuated = tuple(sorted({end.get("name") for end in robot.findall("transmission/joint")}))
     for device in devices:
-        if isinstance(device, DiffDrive):
+        if device.motors():
             motorize(robot, device)
     links = {link.get("name") for link in robot.findall("link")}
     heavy = {link.get("name") for link in robot.findall("link") if link.find("inertial") is not None}
@@ -201,7 +211,7 @@ def sensors_of(robot, namespace, model, warnings):
 def not_simulated(sensor, plugin):
     """The line about a plugin of a sensor that does nothing here."""
     return "sensor '%s' of type %s: plugin %s is not simulated: ignored" % (
-        sensor.get("name"), sensor.get("type"), plugin.get("filename"))
+        sensor.get("name"), sensor.get("type"), file_of(plugin) or "without a file")
 
 
 def drop_strangers(robot):

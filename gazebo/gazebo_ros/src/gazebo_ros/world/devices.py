@@ -12,7 +12,7 @@ from ..sdf.document import pose_of
 
 TRUE = ("true", "1")  #: how a tag says yes, in lower case
 
-_READERS = {}
+_READERS, _OF_WORLD = {}, {}
 
 
 def reads(*files):
@@ -23,6 +23,30 @@ def reads(*files):
     return note
 
 
+def reads_of_world(*files):
+    """Decorator: this function reads plugins of a world of these file names: f(plugin) -> Device."""
+    def note(reader):
+        _OF_WORLD.update((file, reader) for file in files)
+        return reader
+    return note
+
+
+def file_of(plugin):
+    """Name of a plugin's file, without folders."""
+    return plugin.get("filename", "").rpartition("/")[2]
+
+
+def is_read(file):
+    """Whether a plugin of this file name is a device of a model or a world."""
+    return file in _READERS or file in _OF_WORLD
+
+
+def read_world_device(plugin):
+    """Returns what a plugin of a world does, a Device, or None: it is not simulated. Raises: ValueError."""
+    reader = _OF_WORLD.get(file_of(plugin))
+    return None if reader is None else reader(plugin)
+
+
 def read_device(robot, plugin, sensor, link, namespace, warnings):
     """
     Args:
@@ -31,7 +55,7 @@ def read_device(robot, plugin, sensor, link, namespace, warnings):
         warnings: gets a line when a device is not made.
     Returns: A device, or None: no plugin of this kind, or one that names joints or links that are not there.
     """
-    reader = _READERS.get(plugin.get("filename", "").rpartition("/")[2])
+    reader = _READERS.get(file_of(plugin))
     if reader is None:
         return None
     what, device = "plugin '%s' (%s)" % (plugin.get("name", ""), plugin.get("filename")), None
@@ -61,6 +85,10 @@ class Device:
     def links(self):
         return ()
 
+    def motors(self):
+        """Names of the joints that it turns with motors of its torque_n_m."""
+        return ()
+
 
 @dataclasses.dataclass(frozen=True)
 class DiffDrive(Device):
@@ -85,6 +113,9 @@ class DiffDrive(Device):
 
     def joints(self):
         return self.left, self.right
+
+    def motors(self):
+        return self.joints()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -165,7 +196,7 @@ def namespace_of(plugin, namespace, model):
 
     Args: namespace: that spawn_urdf_model and spawn_sdf_model give plugins without <robotNamespace>, "" for none.
     """
-    file, said = plugin.get("filename", "").rpartition("/")[2], plugin.find("robotNamespace")
+    file, said = file_of(plugin), plugin.find("robotNamespace")
     if said is None:
         return joined(namespace or (model if file in MODEL_WHERE_MISSING else ""))
     return joined((said.text or "").strip() or (model if file in MODEL_WHERE_EMPTY else ""))
@@ -291,8 +322,8 @@ def laser(plugin, sensor, link, namespace):
 
 
 def motorize(robot, drive):
-    """Gives the two wheels velocity motors of the drive's torque: a transmission and a limit in the URDF."""
-    for name in drive.joints():
+    """Gives the wheels velocity motors of the drive's torque: a transmission and a limit in the URDF."""
+    for name in drive.motors():
         for transmission in robot.findall("transmission"):
             if name in [end.get("name") for end in transmission.findall("joint")]:
                 robot.remove(transmission)

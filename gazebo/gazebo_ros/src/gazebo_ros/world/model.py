@@ -8,7 +8,6 @@ from aras_visual_servo_sim import ArasError, ModelError, Simulation, UnknownName
 
 from ..faults import told
 from .description import MOVING, read_description
-from .devices import DiffDrive
 from .poses import IDENTITY, rotated, rpy_of
 from ..urdf.parts import without_refused
 from ..urdf.properties import named, properties_of
@@ -57,12 +56,12 @@ class Model:
     def _start_drives(self):
         """Starts the motors of the wheels; a drive whose wheels do not turn is left out."""
         for device in self.description.devices:
-            if not isinstance(device, DiffDrive):
+            if not device.motors():
                 continue
             try:
                 self._start_wheels(device)
             except ArasError as error:
-                self.warnings.append(told("plugin", "drive of joints %s and %s" % device.joints(), error))
+                self.warnings.append(told("plugin", "drive of joints %s" % ", ".join(device.motors()), error))
                 self.description = dataclasses.replace(self.description, devices=tuple(
                     each for each in self.description.devices if each is not device))
 
@@ -70,7 +69,13 @@ class Model:
         self.description = read_description(xml, self.namespace, self.name)
         self._take_tree(ElementTree.fromstring(self.description.urdf))
         self._gravity = numpy.array((0.0, 0.0, 0.0) if self.description.weightless else gravity_m_s2)
-        self._lifts = {}
+        self._lifts, self._thrusts, self._outside = {}, {}, ({}, {})
+
+    def thrust(self, link, wrench):
+        """Lets a plugin push a link from now on, besides all else, until it says otherwise. Args: wrench: (6,) [f; tau]
+        in world axes at its centre of mass [N; N m]. Raises: ArasError."""
+        self._thrusts[link] = numpy.asarray(wrench, float)
+        self.push(*self._outside)
 
     def _take_tree(self, robot):
         """Takes over what the simulator reads, an element."""
@@ -94,7 +99,7 @@ class Model:
             self.description, urdf=ElementTree.tostring(robot, encoding="unicode"),
             collides=robot.find("link/collision") is not None,
             joint_types={name: kind for name, kind in self.description.joint_types.items() if name in moving})
-        if not self.description.collides:
+        if not self.description.collides and config.get("base") == "driven":
             config.pop("contacts", None)
 
     def _lift(self):
@@ -106,8 +111,12 @@ class Model:
 
     def push(self, links, joints):
         """Lets these forces from outside act from now on, dict of link -> (6,) and of joint -> effort."""
-        lifts = {link: numpy.asarray(lift) + links.get(link, 0.0) for link, lift in self._lifts.items()}
-        self.simulation.push({**links, **lifts}, joints)
+        self._outside = links, joints
+        total = {link: numpy.asarray(wrench, float) for link, wrench in links.items()}
+        for own in (self._lifts, self._thrusts):
+            for link, wrench in own.items():
+                total[link] = numpy.asarray(wrench) + total.get(link, 0.0)
+        self.simulation.push(total, joints)
 
     def renew(self, core, xml, gravity_m_s2):
         """Gives the model another document of the same links and joints, and gravity; its state stays.
@@ -139,7 +148,7 @@ class Model:
                   "gravity_m_s2": self._gravity.tolist(),
                   "base_pose": {"position_m": [float(each) for each in pose[:3, 3]],
                                 "rpy_rad": [float(each) for each in rpy_of(pose)]}}
-        if self.description.collides:
+        if base != "driven" or self.description.collides:  # without shapes too: others may be held to it
             config["contacts"] = {"friction": GROUND_FRICTION, "frictions": self.description.frictions,
                                   "neighbours": True}
         return config
@@ -204,15 +213,15 @@ class Model:
     def _start_wheels(self, drive):
         """Lets motors turn the wheels of a drive from now on, with no speed at first."""
         names = []
-        for joint in drive.joints():
+        for joint in drive.motors():
             names.append(wheel_motor(joint))
             self.simulation.load_controller(names[-1], {"type": "velocity_controllers/JointVelocityController",
                                                         "joint": joint})
         self.simulation.switch_controllers(names, [], True)
 
     def turn_wheels(self, drive, speeds_rad_s):
-        """Speeds of the left and the right wheel from now on."""
-        for joint, speed in zip(drive.joints(), speeds_rad_s):
+        """Speeds of the wheels from now on, in the order of the drive's motors."""
+        for joint, speed in zip(drive.motors(), speeds_rad_s):
             self.simulation.set_controller_command(wheel_motor(joint), float(speed))
 
     # --- state

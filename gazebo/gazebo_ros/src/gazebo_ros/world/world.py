@@ -22,6 +22,21 @@ from .settings import GROUND_FRICTION, GROUND_PLANE, WorldSettings, light_of, wo
 WORLD_FRAMES = ("", "world", "map")
 
 
+@dataclasses.dataclass(frozen=True)
+class Touch:
+    """A point of contact of a link, in the world.
+
+    Attributes:
+        other: MODEL::LINK that it touches, or ground_plane.  point (3,) [m].  normal: (3,) from the other to the link.
+        depth_m: how far they are in each other.  force: (3,) on the link [N].
+    """
+    other: str
+    point: numpy.ndarray
+    normal: numpy.ndarray
+    depth_m: float
+    force: numpy.ndarray
+
+
 class World:
     """Models under one clock of integer nanoseconds. Not thread-safe.
 
@@ -101,10 +116,12 @@ class World:
     def _change_period(self, period_s):
         self.epoch_ns = self.time_ns
         self.settings = dataclasses.replace(self.settings, period_s=period_s)
-        lights, self.core = self.lights, world_of(self.settings)
+        lights, welds, self.core = self.lights, self.core.welds, world_of(self.settings)
         self._restore_lights(lights)
         for model in self.models.values():
             model.begin_anew(self.core, self.settings.gravity_m_s2)
+        for one, other in welds:
+            self.core.weld(one, other)
         self.pushes.act(self.time_ns)
 
     # --- models
@@ -244,6 +261,37 @@ class World:
             if joint in model.simulation.joint_names:
                 return model
         raise UnknownNameError("joint '%s' does not exist" % joint)
+
+    # --- what touches and what is held
+
+    def touches(self, model, link):
+        """Returns list of Touch: where a link of a model touched something in the last step. Raises: UnknownNameError.
+        """
+        found = []
+        for each in self.model(model).simulation.contacts:
+            for own, other, sign in ((each["a"], each["b"], 1.0), (each["b"], each["a"], -1.0)):
+                if own != link:
+                    continue
+                scoped = other if "::" in other or other not in self.models[model].links else model + "::" + other
+                found.append(Touch(scoped, numpy.asarray(each["point_m"]), sign * numpy.asarray(each["normal"]),
+                                   each["depth_m"], sign * numpy.asarray(each["force_n"])))
+        return found
+
+    def attach(self, one, other):
+        """Holds a link to another where it is now, until detach() or a reset. Args: scoped names of links of two
+        models. Raises: ArasError: no such links, of one model, or they are attached already."""
+        self.core.weld(*self._scoped_names(one, other))
+
+    def detach(self, one, other):
+        """Lets two links go. Raises: UnknownNameError: they are not attached."""
+        self.core.unweld(*self._scoped_names(one, other))
+
+    def is_attached(self, one, other):
+        """Whether these two links are held to each other."""
+        return {(one, other), (other, one)} & set(self.core.welds) != set()
+
+    def _scoped_names(self, *names):
+        return ["%s::%s" % (model.name, link) for model, link in map(self.scoped, names)]
 
     # --- lights
 
