@@ -74,7 +74,7 @@ def test_what_cannot_be_is_refused_and_the_world_goes_on(room, service, request_
 #: A model whose service has the name of another's, and whose cameras' topics begin with /.
 SEEING = """<sdf version="1.6"><model name="m"><static>1</static><link name="arm::eye"><pose frame="">0 0 1 0 0 0</pose>
   <sensor name="s" type="camera"><camera><horizontal_fov>wide</horizontal_fov><image><width>16</width>
-  <height>12</height></image></camera><plugin name="c" filename="libgazebo_ros_camera.so"><cameraName>eye</cameraName>
+  <height>12</height></image></camera><plugin name="c" filename="libgazebo_ros_camera.so"><cameraName>ey e</cameraName>
   <imageTopicName>/seen/image</imageTopicName></plugin></sensor>
   </link>
   <plugin name="i" filename="libgazebo_ros_imu.so"><bodyName>arm::eye</bodyName><serviceName>/calibrated</serviceName>
@@ -98,5 +98,5 @@ def test_a_world_that_does_not_exist_ends_the_server_and_a_faulty_one_does_not(t
                          "-model", name)
         assert graph.message("/gazebo/link_states")["name"] == ["ground_plane::link", "b::arm::eye", "a::arm::eye"]
         assert graph.message("/gazebo/model_states")["name"] == ["ground_plane", "b", "a"]
-        assert graph.message("/seen/image")["width"] == 16 and "/eye/camera_info" in graph.topics()
+        assert graph.message("/seen/image")["width"] == 16 and "/ey_e/camera_info" in graph.topics()
         assert all(text in graph.log() for text in ("/calibrated", "'wide'", "horizontal_fov"))

@@ -71,7 +71,9 @@ FAULTS: typing.Dict[str, Fault] = {
                    "topic names"),
     "key": Fault("plugin", "a number or flag that is none", "the plugin's default"),
     "sensor": Fault("sensor", "anything else that the simulator refuses", LEFT_OUT),
-    "plugin": Fault("plugin", "values with which it cannot run, or a name that ROS does not allow", LEFT_OUT),
+    "plugin": Fault("plugin", "values with which it cannot run", LEFT_OUT),
+    "ros name": Fault("plugin", "a name of a topic or service with characters that ROS does not allow", "the name with "
+                      "`_` in their place"),
     "topic": Fault("plugin", "a service that another plugin offers", "the first one's answers"),
     # --- documents of SDF
     "version": Fault("`<sdf>`", "a version that is none, or is missing", "1.6"),
