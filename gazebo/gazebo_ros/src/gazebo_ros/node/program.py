@@ -3,8 +3,6 @@ import argparse
 
 import rospy
 
-from aras_visual_servo_sim import ArasError
-
 from ..faults import REFUSED
 from ..sdf.world import EMPTY_WORLD, read_world
 from .folders import Folders
@@ -40,11 +38,11 @@ def main():
     folders = Folders()
     try:
         file = world_of(world, folders)
-    except FileNotFoundError as error:
+    except NoSuchWorldError as error:
         rospy.logfatal("gzserver: %s" % error)
         return NOT_THERE
-    except (OSError, ArasError) as error:
-        rospy.logerr("gzserver: %s: the world is empty" % str(error).replace(REFUSED, ""))
+    except Exception as error:  # of libsdformat or Python as well: a world that cannot be read is an empty one
+        rospy.logerr("gzserver: %s: %s: the world is empty" % (world, str(error).replace(REFUSED, "")))
         file = read_world(EMPTY_WORLD, False, folders)
     rate_hz = rospy.get_param("/gazebo/pub_clock_frequency", CLOCK_RATE_HZ)
     server = Server(file.settings, folders, paused, rate_hz if rate_hz > 0 else CLOCK_RATE_HZ)
@@ -53,11 +51,15 @@ def main():
     return 0
 
 
+class NoSuchWorldError(Exception):
+    """There is no file of this name."""
+
+
 def world_of(name, folders):
-    """WorldFile of a name. Raises: OSError, ModelError."""
+    """WorldFile of a name. Raises: NoSuchWorldError, ModelError."""
     path = folders.resource(name)
     if path is not None:
         return read_world(path, True, folders)
     if name in EMPTY:
         return read_world(EMPTY_WORLD, False, folders)
-    raise FileNotFoundError("Could not open file[%s]" % name)
+    raise NoSuchWorldError("Could not open file[%s]" % name)

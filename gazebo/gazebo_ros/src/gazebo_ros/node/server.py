@@ -71,6 +71,8 @@ class Server:
                 self._welcome(self.world.place_sdf(model.name, model, X_WM))
             except ArasError as error:
                 warnings.append("model '%s': %s" % (model.name, error))
+            except Exception as error:  # whatever it is, the rest of the world comes up
+                warnings.append("model '%s': %s" % (model.name, named(error)))
         self.world.before_ground = {model.name for model, _ in file.models[:file.ground_at]} & set(self.world.models)
         for warning in dict.fromkeys(warnings):
             rospy.logwarn("world: %s" % warning)
