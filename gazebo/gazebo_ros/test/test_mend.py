@@ -344,6 +344,14 @@ def test_what_a_file_includes_is_mended_too(tmp_path):
     assert str(folder / "cup.obj") in file.models[0][0].urdf
 
 
+def test_a_file_may_have_comments_of_any_encoding(tmp_path):
+    model = "<model name='a::b'><link name='l'/></model>"
+    text = "<sdf version='1.6'><!-- \u4e16\u754c --><world name='w'>%s</world></sdf>" % model
+    (tmp_path / "gbk.world").write_bytes(text.encode("gbk"))
+    file = read_world(str(tmp_path / "gbk.world"), True, NoFolders())
+    assert [model.name for model, _ in file.models] == ["a_b"] and any("a::b" in line for line in file.warnings)
+
+
 @pytest.mark.parametrize("text, cause", [("<sdf version='1.6'><world", "no XML"), ("", "no XML"),
                                          ("<sdf version='1.6'/>", "<world>")])
 def test_a_world_that_cannot_be_read_is_refused_with_its_file(tmp_path, text, cause):

@@ -77,7 +77,8 @@ FAULTS: typing.Dict[str, Fault] = {
     "topic": Fault("plugin", "a service that another plugin offers", "the first one's answers"),
     # --- documents of SDF
     "version": Fault("`<sdf>`", "a version that is none, or is missing", "1.6"),
-    "name": Fault("element of SDF, sensor", "no name, or a link called `world`", "a name is made"),
+    "name": Fault("element of SDF, sensor", "no name, a link called `world`, a model with `::` in its name",
+                  "a name is made"),
     "element": Fault("element of SDF", "libsdformat refuses it", "SDF's default, or " + LEFT_OUT),
 }
 

@@ -25,6 +25,7 @@ NAMED = ("model", "link", "joint", "frame", "visual", "collision", "sensor", "li
 REFERRING = ("name", "relative_to", "frame", "attached_to", "expressed_in", "canonical_link", "placement_frame")
 ENDS = ("parent", "child")
 RESERVED, RESERVED_INSTEAD = "world", "world_link"  #: of a link; joints mean the world itself by it
+REPLACED = "\ufffd"  #: stands for bytes that are no text, as in comments of another encoding
 VERSION = re.compile(r"^1\.\d+$")
 NEWEST_READ_BY_ALL = "1.6"
 PLACE = re.compile(r"Error reading element <(?P<tag>[^>]*)> \([^()]*:(?P<line>\d+)\)")
@@ -170,7 +171,7 @@ class Reader:
             root = parsed(text)
         except (ElementTree.ParseError, ValueError) as error:
             raise refused(name, "no XML: %s" % error) from error
-        changed = self._tidy_version(root, name)
+        changed = self._tidy_version(root, name) or REPLACED in text
         changed = self._tidy_names(root, name) or changed
         for pose in root.iter("pose"):
             if pose.get("frame") == "":  # as Gazebo saves it: the frame that the element stands in
@@ -203,6 +204,11 @@ class Reader:
                     self.warnings.append(told("name", "%s: %s" % (name, shown(element, parent)), "a reserved name",
                                               RESERVED_INSTEAD))
                     element.set("name", RESERVED_INSTEAD)
+                    changed = True
+                if element.tag == "model" and parent.tag in ("world", "sdf") and SCOPE in element.get("name", ""):
+                    made = element.get("name", "").replace(SCOPE, "_")
+                    self.warnings.append(told("name", "%s: %s" % (name, shown(element, parent)), "::", made))
+                    element.set("name", made)
                     changed = True
                 if SCOPE in element.get("name", ""):
                     scoped.add(element.get("name"))
@@ -238,8 +244,8 @@ def text_of(path: str) -> str:
         with open(path, "rb") as file:
             data = file.read()
         coding = re.match(rb"<\?xml[^>]*encoding=[\"']([\w-]+)", data)
-        text = data.decode(coding[1].decode() if coding else "utf-8-sig")
-    except (OSError, UnicodeDecodeError, LookupError) as error:
+        text = data.decode(coding[1].decode() if coding else "utf-8-sig", errors="replace")
+    except (OSError, LookupError) as error:
         raise refused(path, str(error)) from error
     return re.sub(r"^\s*<\?xml.*?\?>", "", text)
 
