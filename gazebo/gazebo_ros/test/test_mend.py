@@ -179,6 +179,17 @@ def test_a_mesh_whose_picture_cannot_be_read_is_seen_without_it(tmp_path):
     world.change_link("arm", "upper", model.properties_of("upper"))  # goes on without the picture
 
 
+def test_a_picture_of_a_script_that_cannot_be_read_leaves_its_visual_white(tmp_path):
+    (tmp_path / "m.material").write_text("material M { technique { pass { texture_unit { texture bad.png } } } }")
+    (tmp_path / "bad.png").write_bytes(b"no picture")
+    look = ("<gazebo reference='upper'><visual><material><script><uri>file://%s</uri><name>M</name></script></material>"
+            "</visual></gazebo>" % tmp_path)
+    _, model = spawned(arm(visual="<visual><geometry><box size='1 1 1'/></geometry></visual>", more=look))
+    assert any("link 'upper'" in line and "bad.png" in line for line in model.warnings), model.warnings
+    color = ElementTree.fromstring(model.description.urdf).find("link[@name='upper']/visual/material/color")
+    assert color is not None and color.get("rgba") == "1 1 1 1"
+
+
 @pytest.mark.parametrize("change, names", [
     ("<child link='eye'/>", ("hold", "[eyes]")), ("<link name='eye'/>", ("hold", "[eye]")),
     ("name='two'", ("'one'", "twice"))])

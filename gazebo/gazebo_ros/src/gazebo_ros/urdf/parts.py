@@ -12,6 +12,7 @@ from .mend import MOMENTS, Warnings, hold
 from .plain_mesh import plain_copy
 
 SCHEME = "file://"
+WHITE = "1 1 1 1"  #: what has no material
 BALL_M = 0.01  #: radius of the ball whose inertia stands for none
 #: Asks the simulator: what it says of a document, "" where it takes it. The second is whether it is the whole model,
 #: else it is a part of it, whose root has a mass.
@@ -86,6 +87,7 @@ def _without_material(part: ElementTree.Element) -> typing.Optional[ElementTree.
     plain = copy.deepcopy(part)
     for material in plain.findall("material"):
         plain.remove(material)
+    ElementTree.SubElement(ElementTree.SubElement(plain, "material", name=""), "color", rgba=WHITE)
     return plain
 
 
