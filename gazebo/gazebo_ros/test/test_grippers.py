@@ -158,6 +158,8 @@ def test_a_hand_holds_what_its_fingers_press_and_lets_go_when_they_open():
 
     look(20)
     assert not grasp.held, "nothing presses"
+    up, down, weak = numpy.array((0.0, 1, 0)), numpy.array((0.0, -1, 0)), numpy.array((0.0, -0.2, 0))
+    assert grasp.is_gripped([up, down]) and not grasp.is_gripped([up, up]) and not grasp.is_gripped([up, weak])
     drive(lift, left=0.03, right=0.03)
     look(60)
     assert set(grasp.held) == {"thing::body"} and set(grasp.held["thing::body"]) == {"left", "right"}

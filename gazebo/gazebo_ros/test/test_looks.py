@@ -48,5 +48,6 @@ def test_a_picture_of_gazebos_own_is_a_plain_colour_in_both_forms():
         assert red > 1.5 * green and red > 1.5 * blue and red > 60, "the tone of bricks"
         warnings = read_description(PLATE % tag, "", "plate").warnings
         assert [each for each in warnings if "Gazebo/Bricks" in each] == list(warnings)
+        assert not any("ignored" in each for each in World().spawn("plate", PLATE % tag).warnings if "Bricks" in each)
     mine = plain.replace("Gazebo/Bricks", "Mine/Bricks")
     assert any("Mine/Bricks" in each for each in World().spawn("plate", PLATE % mine).warnings)

@@ -38,13 +38,19 @@ def alone(urdf, world=None, name="m", **keys):
 def test_p3d_gives_pose_and_twist_in_the_frame_that_it_names():
     tag = plugin("libgazebo_ros_p3d.so", ("bodyName", "end"), ("topicName", "truth"), ("frameName", "tip"),
                  ("updateRate", "50"), ("xyzOffset", "1 2 3"))
-    model, device = alone(ARM % tag)
+    world = World()
+    model, device = alone(ARM % tag, world)
     assert (device.topic, device.rate_hz, device.frame) == ("/truth", 50.0, "tip")
     model.set_joints({"j": 0.3, "k": 0.2})
     pose, twist = device.measured(model)
     assert pose[:3, 3] == pytest.approx((1.5, 2.0, 3.0))
     assert pose[:3, :3] == pytest.approx(matrix_of_rpy((0, 0, 0), (0, 0, 0.2))[:3, :3])
     assert twist == pytest.approx(numpy.zeros(6))
+    model.simulation.push({}, {"j": 1.0})
+    world.step(50)
+    turning = dict(zip(model.simulation.joint_names, model.simulation.joint_velocities))
+    assert turning["j"] > 0.01 and device.measured(model)[1][5] == pytest.approx(turning["k"], abs=1e-9)
+    model.set_joints({"j": 0.3, "k": 0.2})
     world_pose = read_description(ARM % tag.replace(">tip<", ">world<"), "", "m").devices[0].measured(model)[0]
     assert world_pose[:3, 3] == pytest.approx((1.0 + 0.5 * math.cos(0.3), 2.0 + 0.5 * math.sin(0.3), 4.0))
 
@@ -137,6 +143,10 @@ def test_a_bumper_feels_what_the_link_stands_on_and_what_stands_on_it():
     assert sum(touch.force[2] for touch in touched["ground_plane"]) == pytest.approx(2 * 9.8, rel=1e-3)
     assert sum(touch.force[2] for touch in touched["high::top"]) == pytest.approx(-9.8, rel=1e-3)
     assert all(touch.normal[2] == pytest.approx(-1.0) for touch in touched["high::top"])
+    above = world.touches("high", "top")
+    assert {touch.other for touch in above} <= {"low::low", "table::wall"}
+    assert sum(touch.force[2] for touch in above) == pytest.approx(9.8, rel=1e-3)
+    assert all(touch.normal[2] == pytest.approx(1.0) for touch in above if touch.other == "low::low")
     assert collision_of("high::top") == "high::top::top_collision"
 
 
@@ -191,6 +201,8 @@ def test_four_rotors_at_their_hovering_speed_carry_the_body():
     assert [motor.number for motor in motors] == [0, 1, 2, 3] and all(isinstance(m, RotorMotor) for m in motors)
     hover = math.sqrt(0.72 * 9.8 / 4 / 8.54858e-06)
     assert motors[0].speed(0.0, hover, 10.0) == pytest.approx(hover) and motors[0].speed(0.0, 1e6, 10.0) == 838.0
+    for motor in motors:  # one that turns counter-clockwise turns the body clockwise
+        assert motor.wrench(model, hover)[5] == pytest.approx(-motor.turn * 0.72 * 9.8 / 4 * 0.016)
     for _ in range(250):
         for motor in motors:
             model.thrust(motor.link, motor.wrench(model, hover))

@@ -39,7 +39,7 @@ class Grasp:
     def update(self):
         """Looks at the contacts once: counts, holds and lets go."""
         forces, device = self._forces(), self._device
-        pressed = {link for link, fingers in forces.items() if self._is_gripped(fingers.values())}
+        pressed = {link for link, fingers in forces.items() if self.is_gripped(fingers.values())}
         for link in pressed | set(self._counts):
             count = self._counts.get(link, 0) + (1 if link in pressed else -1)
             self._counts[link] = min(max(count, 0), device.most)
@@ -72,8 +72,8 @@ class Grasp:
                     sums[finger] = sums.get(finger, 0.0) - touch.force
         return found
 
-    def _is_gripped(self, forces):
-        """Whether two of these forces press against each other."""
+    def is_gripped(self, forces):
+        """Whether two of these forces (3,) on an object press against each other."""
         forces = [force for force in forces if numpy.linalg.norm(force) > 0.0]
         for k, one in enumerate(forces):
             for other in forces[k + 1:]:
