@@ -68,6 +68,75 @@ def test_a_laser_sees_a_wall_where_it_is_put(cart):
     assert cart.answer("/gazebo/delete_model", "{model_name: wall}")["success"]
 
 
+POST = """<robot name='post'><link name='world'/><joint name='fix' type='fixed'><parent link='world'/>
+  <child link='base'/></joint>%(links)s
+  <joint name='turn' type='continuous'><parent link='base'/><child link='tip'/><origin xyz='0 0 0.4'/>
+  <axis xyz='0 0 1'/></joint>
+  <transmission name='t'><joint name='turn'><hardwareInterface>VelocityJointInterface</hardwareInterface></joint>
+  </transmission>
+  <gazebo><plugin name='c' filename='libgazebo_ros_control.so'><robotNamespace>/post</robotNamespace></plugin>
+  <plugin name='p3d' filename='libgazebo_ros_p3d.so'><bodyName>tip</bodyName><topicName>post/truth</topicName></plugin>
+  <plugin name='j' filename='libgazebo_ros_joint_state_publisher.so'><robotNamespace>/plain</robotNamespace>
+    <jointName>turn</jointName></plugin>
+  <plugin name='v' filename='libgazebo_ros_vacuum_gripper.so'><robotNamespace>/vac</robotNamespace>
+    <bodyName>tip</bodyName><topicName>grasping</topicName></plugin></gazebo>
+  <gazebo reference='base'><sensor type='contact' name='b'><update_rate>20</update_rate>
+    <plugin name='b' filename='libgazebo_ros_bumper.so'><bumperTopicName>hit</bumperTopicName></plugin></sensor>
+  %(rays)s
+  <sensor type='multicamera' name='pair'><update_rate>10</update_rate>%(lenses)s
+    <plugin name='m' filename='libgazebo_ros_multicamera.so'><cameraName>pair</cameraName><frameName>base</frameName>
+    <hackBaseline>0.1</hackBaseline></plugin></sensor></gazebo></robot>"""
+RAY = """<sensor type='ray' name='%s'><update_rate>20</update_rate><ray><scan><horizontal><samples>2</samples>
+  <min_angle>-0.1</min_angle><max_angle>0.1</max_angle></horizontal></scan>
+  <range><min>0.06</min><max>4</max></range></ray>
+  <plugin name='p' filename='libgazebo_ros_%s.so'><topicName>%s</topicName></plugin></sensor>"""
+LINK = """<link name='%s'><inertial><mass value='1'/><inertia ixx='0.01' iyy='0.01' izz='0.01' ixy='0' ixz='0' iyz='0'/>
+  </inertial><collision><geometry><box size='0.1 0.1 0.1'/></geometry></collision></link>"""
+LENS = """<camera name='%s'><horizontal_fov>1.0</horizontal_fov><image><width>8</width><height>6</height></image>
+  <clip><near>0.1</near><far>50</far></clip></camera>"""
+
+
+def height_of(graph, model):
+    return graph.answer("/gazebo/get_model_state", "{model_name: %s}" % model)["pose"]["position"]["z"]
+
+
+def test_plugins_that_hold_and_sense_have_their_topics_and_services(cart):
+    """A post with all of them; a can of Gazebo's database on a table is what it holds."""
+    tip = LINK.partition("<collision>")[0] % "tip" + "</link>"
+    post = POST % {"links": LINK % "base" + tip, "lenses": LENS % "left" + LENS % "right",
+                   "rays": RAY % ("r", "range", "near") + RAY % ("l", "block_laser", "cloud")}
+    assert height_of(cart, "coke_can") == pytest.approx(1.015 + 0.06, abs=0.01), "it stands on the table"
+    told = cart.answer("/gazebo/spawn_urdf_model", yaml.safe_dump(
+        {"model_name": "post", "model_xml": post, "initial_pose": {"position": {"x": 0.0, "y": 6.0, "z": 1.5}}}))
+    assert told["success"], told
+    assert cart.message("/post/truth")["pose"]["pose"]["position"]["z"] == pytest.approx(1.9)
+    assert cart.message("/plain/joint_states")["name"] == ["turn"]
+    assert cart.message("/near")["range"] == 4.0 and len(cart.message("/cloud")["points"]) == 2
+    infos = [cart.message("/pair/%s/camera_info" % side) for side in ("left", "right")]
+    assert infos[0]["P"][3] == 0.0 and infos[1]["P"][3] == pytest.approx(-0.1 * infos[1]["P"][0])
+    assert cart.message("/hit")["states"] == []
+    cart.answer("/gazebo/pause_physics")
+    cart.answer("/gazebo/set_model_state", "{model_state: {model_name: coke_can, pose: {position: {y: 6.0, z: 1.87}}}}")
+    cart.answer("/vac/on")
+    cart.answer("/gazebo/unpause_physics")
+    assert cart.message("/vac/grasping")["data"]
+    names = "{model_name_1: post, link_name_1: base, model_name_2: coke_can, link_name_2: link}"
+    assert cart.answer("/link_attacher_node/attach", names)["ok"]
+    cart.answer("/vac/off")
+    assert not cart.message("/vac/grasping")["data"] and height_of(cart, "coke_can") > 1.8
+    assert cart.answer("/link_attacher_node/detach", names)["ok"]
+    cart.until(lambda: height_of(cart, "coke_can") < 1.7, "it falls")
+    cart.output("rosparam", "set", "/post/turn_position", "{type: velocity_controllers/JointPositionController, "
+                "joint: turn, pid: {p: 20.0}}")
+    assert cart.answer("/post/controller_manager/load_controller", "{name: turn_position}")["ok"]
+    assert cart.answer("/post/controller_manager/switch_controller",
+                       "{start_controllers: [turn_position], stop_controllers: [], strictness: 2}")["ok"]
+    cart.start("rostopic", "pub", "-1", "/post/turn_position/command", "std_msgs/Float64", "0.5")
+    cart.until(lambda: cart.message("/post/turn_position/state")["process_value"] == pytest.approx(0.5, abs=1e-3),
+               "it turns")
+    assert cart.answer("/gazebo/delete_model", "{model_name: post}")["success"]
+
+
 EYE = """<sensor name='%s' type='%s'><update_rate>10</update_rate><camera><horizontal_fov>1.0</horizontal_fov>
   <image><width>8</width><height>6</height></image><clip><near>0.1</near><far>50</far></clip></camera>%s</sensor>"""
 KINECT = """<plugin name='p' filename='libgazebo_ros_openni_kinect.so'><cameraName>kinect</cameraName>

@@ -71,10 +71,32 @@ def test_what_cannot_be_is_refused_and_the_world_goes_on(room, service, request_
     assert answer(room, "get_world_properties")["success"]
 
 
-def test_a_world_that_does_not_exist_ends_the_server(tmp_path):
+#: A model whose service has the name of another's, and whose cameras' topics begin with /.
+SEEING = """<sdf version="1.6"><model name="m"><static>1</static><link name="arm::eye"><pose frame="">0 0 1 0 0 0</pose>
+  <sensor name="s" type="camera"><camera><horizontal_fov>wide</horizontal_fov><image><width>16</width>
+  <height>12</height></image></camera><plugin name="c" filename="libgazebo_ros_camera.so"><cameraName>ey e</cameraName>
+  <imageTopicName>/seen/image</imageTopicName></plugin></sensor>
+  </link>
+  <plugin name="i" filename="libgazebo_ros_imu.so"><bodyName>arm::eye</bodyName><serviceName>/calibrated</serviceName>
+  </plugin></model></sdf>"""
+
+
+def test_a_world_that_does_not_exist_ends_the_server_and_a_faulty_one_does_not(tmp_path):
     with Graph(tmp_path) as graph:
         graph.start("roscore", "-p", str(graph.port))
         graph.until(lambda: "/rosout" in graph.topics(), "the master is there")
         with pytest.raises(subprocess.CalledProcessError) as caught:
             graph.output("rosrun", "gazebo_ros", "gzserver", "worlds/nowhere.world")
         assert caught.value.returncode == 255 and "Could not open file[worlds/nowhere.world]" in graph.log()
+        (tmp_path / "broken.world").write_text("<sdf version='1.6'><world name='w'><model")
+        (tmp_path / "seeing.sdf").write_text(SEEING)
+        graph.start("rosrun", "gazebo_ros", "gzserver", str(tmp_path / "broken.world"))
+        graph.until(lambda: "/gazebo/model_states" in graph.topics(), "the world is there")
+        assert "broken.world" in graph.log()
+        for name in ("b", "a"):
+            graph.output("rosrun", "gazebo_ros", "spawn_model", "-sdf", "-file", str(tmp_path / "seeing.sdf"),
+                         "-model", name)
+        assert graph.message("/gazebo/link_states")["name"] == ["ground_plane::link", "b::arm::eye", "a::arm::eye"]
+        assert graph.message("/gazebo/model_states")["name"] == ["ground_plane", "b", "a"]
+        assert graph.message("/seen/image")["width"] == 16 and "/ey_e/camera_info" in graph.topics()
+        assert all(text in graph.log() for text in ("/calibrated", "'wide'", "horizontal_fov"))

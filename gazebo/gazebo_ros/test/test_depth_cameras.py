@@ -2,8 +2,6 @@
 import numpy
 import pytest
 
-from aras_visual_servo_sim import ModelError
-
 from gazebo_ros.world.depth_cameras import Depth
 from gazebo_ros.world.description import read_description
 from gazebo_ros.world.world import World
@@ -102,6 +100,7 @@ def test_points_lie_where_their_pixels_look_and_have_their_colours():
     assert (cloud.cloud(depth_m, [100.0] + [0.0] * 8, colors[:2])[..., 3] == 0.0).all()
 
 
-def test_a_number_that_is_none_is_refused_by_its_name():
-    with pytest.raises(ModelError, match="depth camera: <rangeMaxDepth> is nan"):
-        read_description(REALSENSE % "nan", "", "r")
+def test_a_number_that_is_none_is_the_default():
+    found = read_description(REALSENSE % "nan", "", "r")
+    assert found.cameras["camdepth"].depth.range_m == (0.3, 65.535)
+    assert any("<rangeMaxDepth> 'nan'" in line for line in found.warnings)

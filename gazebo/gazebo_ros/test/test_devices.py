@@ -2,8 +2,6 @@
 import numpy
 import pytest
 
-from aras_visual_servo_sim import ModelError
-
 from gazebo_ros.node.notes import summed_up
 from gazebo_ros.world.description import read_description
 from gazebo_ros.world.poses import matrix_of
@@ -74,9 +72,9 @@ def test_a_plugin_with_a_joint_that_is_not_there_is_named_and_ignored():
     assert "plugin libgazebo_ros_diff_drive.so: there is no joint 'front'" in "\n".join(description.warnings)
 
 
-def test_a_plugin_with_a_word_for_a_number_is_refused():
-    with pytest.raises(ModelError, match="<updateRate>: found fast, allowed is a number"):
-        read_description(CART % "fast", "", "cart")
+def test_a_word_for_a_number_of_a_plugin_is_the_default():
+    found = read_description(CART % "fast", "", "cart")
+    assert found.devices[0].rate_hz == 100.0 and any("<updateRate> 'fast'" in line for line in found.warnings)
 
 
 MIMIC = """<robot name='gripper'><link name='world'/><link name='palm'/>

@@ -1,4 +1,5 @@
 """Colours of a model, as Gazebo has them."""
+from gazebo_ros.world.description import read_description
 from gazebo_ros.world.poses import matrix_of
 from gazebo_ros.world.world import World
 
@@ -36,3 +37,17 @@ def test_a_mesh_that_is_not_there_is_named_and_left_out():
     model = World().spawn("plate", (PLATE % "").replace("<link name='eye'/>", "<link name='eye'>%s%s</link>" % (
         gone, gone.replace("visual", "collision"))))
     assert "mesh package://nowhere/arm.dae of eye: there is no such file: ignored" in model.warnings
+
+
+def test_a_picture_of_gazebos_own_is_a_plain_colour_in_both_forms():
+    plain = "<gazebo reference='plate'><material>Gazebo/Bricks</material></gazebo>"
+    script = ("<gazebo reference='plate'><visual><material><script><name>Gazebo/Bricks</name></script></material>"
+              "</visual></gazebo>")
+    for tag in (plain, script):
+        red, green, blue = seen(tag)[4, 4].tolist()
+        assert red > 1.5 * green and red > 1.5 * blue and red > 60, "the tone of bricks"
+        warnings = read_description(PLATE % tag, "", "plate").warnings
+        assert [each for each in warnings if "Gazebo/Bricks" in each] == list(warnings)
+        assert not any("ignored" in each for each in World().spawn("plate", PLATE % tag).warnings if "Bricks" in each)
+    mine = plain.replace("Gazebo/Bricks", "Mine/Bricks")
+    assert any("Mine/Bricks" in each for each in World().spawn("plate", PLATE % mine).warnings)

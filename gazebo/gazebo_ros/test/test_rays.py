@@ -2,8 +2,6 @@
 import numpy
 import pytest
 
-from aras_visual_servo_sim import ModelError
-
 from gazebo_ros.node.devices.outlet import Noise
 from gazebo_ros.node.devices.sensors import scan
 from gazebo_ros.world import snapshot
@@ -113,11 +111,16 @@ def test_a_resolution_makes_numbers_between_the_rays():
 
 
 @pytest.mark.parametrize("change, text", [
-    ({"samples": 0}, "found 0 samples"), ({"samples": 1e9}, "found 1e\\+09 samples"),
-    ({"highest": -2.0}, "found angles from -1.5 to -2 rad"), ({"highest": "nan"}, "found angles from -1.5 to nan")])
-def test_a_laser_that_cannot_be_is_refused(change, text):
-    with pytest.raises(ModelError, match=text):
-        read_description(POST.format(**{**RAY, **change}), "", "post")
+    ({"samples": 0}, "found 0 samples"), ({"samples": 1e9}, "found 1e+09 samples"),
+    ({"highest": -2.0}, "found angles from -1.5 to -2 rad")])
+def test_a_laser_that_cannot_be_is_left_out_by_name(change, text):
+    found = read_description(POST.format(**{**RAY, **change}), "", "post")
+    assert not found.devices and any(text in line for line in found.warnings)
+
+
+def test_a_number_of_a_laser_that_is_none_is_its_default():
+    found = read_description(POST.format(**{**RAY, "highest": "nan", "lowest": -1.5}), "", "post")
+    assert found.devices[0].horizontal.highest == 0.0 and any("<max_angle> 'nan'" in line for line in found.warnings)
 
 
 #: A pyramid with its square base at x = 0 and its tip at x = 1, as an OBJ file; outside is counter-clockwise.

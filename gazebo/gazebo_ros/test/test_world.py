@@ -128,7 +128,7 @@ def test_what_cannot_be_is_refused_and_the_world_goes_on():
                                    ("two", "<robot", "", "entity format is invalid"),
                                    ("two", "<sdf/>", "", "allowed is <robot>"),
                                    ("two", PENDULUM, "nowhere", "reference_frame not found"),
-                                   ("two", "<robot name='r'/>", "", "cannot be simulated")):
+                                   ("two", "<robot name='r'/>", "", "found no <link>")):
         with pytest.raises(ModelError, match=text):
             world.spawn(name, xml, frame=frame)
     with pytest.raises(UnknownNameError, match="models are: one"):

@@ -4,7 +4,7 @@ import sys
 
 del sys.path[0]  # this folder, where the library's name stands for this program
 
-import xacro
+import xacro_unprefixed
 
 if __name__ == "__main__":
-    xacro.main()
+    xacro_unprefixed.main()

@@ -5,7 +5,9 @@
 
 #include <filesystem>
 #include <functional>
+#include <iostream>
 #include <sdf/sdf.hh>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -39,21 +41,56 @@ std::string shown(const sdf::Error& error) {
   return error.FilePath() ? text + ")" : text;
 }
 
+/** Keeps std::cerr quiet for as long as it lives: libsdformat prints what it also returns, and tries whatever is no SDF
+ *  as a URDF, of which urdfdom complains. */
+class QuietErrors {
+ public:
+  QuietErrors() : before_(std::cerr.rdbuf(sink_.rdbuf())) {}
+  ~QuietErrors() { std::cerr.rdbuf(before_); }
+  QuietErrors(const QuietErrors&) = delete;
+  QuietErrors& operator=(const QuietErrors&) = delete;
+
+ private:
+  std::ostringstream sink_;
+  std::streambuf* before_;
+};
+
+/** An empty document. The specification is parsed once, which takes a quarter of a second. */
+sdf::SDFPtr emptyDocument() {
+  static const sdf::SDFPtr specification = [] {
+    auto made = std::make_shared<sdf::SDF>();
+    sdf::init(made);
+    return made;
+  }();
+  auto document = std::make_shared<sdf::SDF>();
+  document->Root(specification->Root()->Clone());
+  return document;
+}
+
 /** Reads a document, brings it to the newest version and puts what is included in its place.
  *  @param source  a path, or the document itself @return its text, and a line for each thing that was left out
- *  @throws std::invalid_argument if it is no SDF */
+ *  @throws std::invalid_argument if it is no SDF, or libsdformat gives up */
 std::pair<std::string, std::vector<std::string>> expanded(const std::string& source, bool is_path, const Find& find) {
   sdf::Console::Instance()->SetQuiet(true);  // what it would print comes back as a value
+  const QuietErrors quiet;
   sdf::ParserConfig config;
   config.SetFindCallback(find);
   config.SetWarningsPolicy(sdf::EnforcementPolicy::ERR);
   config.SetUnrecognizedElementsPolicy(sdf::EnforcementPolicy::ERR);
   config.SetDeprecatedElementsPolicy(sdf::EnforcementPolicy::LOG);
-  const auto document = std::make_shared<sdf::SDF>();
-  sdf::init(document);
+  const auto document = emptyDocument();
   sdf::Errors errors;
-  const bool read =
-      is_path ? sdf::readFile(source, config, document, errors) : sdf::readString(source, config, document, errors);
+  bool read = false;
+  try {
+    read =
+        is_path ? sdf::readFile(source, config, document, errors) : sdf::readString(source, config, document, errors);
+  } catch (const py::error_already_set&) {
+    throw;  // of find
+  } catch (const std::exception& error) {
+    throw std::invalid_argument(std::string("libsdformat gives up: ") + error.what());
+  } catch (const sdf::Exception& error) {  // no std::exception
+    throw std::invalid_argument("libsdformat gives up: " + error.GetErrorStr());
+  }
   std::vector<std::string> messages;
   for (const sdf::Error& error : errors) messages.push_back(shown(error));
   if (!read) {

@@ -55,7 +55,7 @@ def description(options):
     elif options.param:
         text = rospy.get_param(options.param, "")
     elif os.path.isfile(options.file):
-        text = pathlib.Path(options.file).read_text(encoding="utf-8")
+        text = pathlib.Path(options.file).read_text(encoding="utf-8", errors="replace")
     else:
         raise RefusedError("Error: specified file %s does not exist" % options.file)
     if not text:

@@ -104,7 +104,8 @@ void bindRobot(RobotClass& type) {
         }
         return contacts;
       },
-      "Points of contact of the last step: a list of {a, b: names of links, solids or ground_plane; point_m "
+      "Points of contact of the last step: a list of {a, b: names of links, solids or ground_plane, of other robots as "
+      "ROBOT::LINK; point_m "
       "(3,), "
       "normal (3,) from b to a, force_n (3,) on a, all in W; depth_m}.");
   type.def_property_readonly(

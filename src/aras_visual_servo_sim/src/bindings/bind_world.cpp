@@ -122,6 +122,14 @@ void bindRobots(WorldClass& type) {
           "Raises:\n    ModelError, ParameterError, StateError: it cannot be in this state; nothing changes then.")
       .def_property_readonly("robots", &robots, "dict of name -> Robot, in the order in which they were spawned.")
       .def_property_readonly("link_names", &World::linkNames, "Links of all robots, ROBOT::LINK.")
+      .def("weld", &World::weld, py::arg("a"), py::arg("b"),
+           "Holds a link to another where it is now, as if they were one body, until unweld(), a reset or the end of\n"
+           "one of the robots.\n\nArgs:\n"
+           "    a, b: ROBOT::LINK of two robots that are driven or have contacts.neighbours.\n"
+           "Raises:\n    UnknownNameError, ParameterError: of one robot, or welded already; nothing changes then.")
+      .def("unweld", &World::unweld, py::arg("a"), py::arg("b"),
+           "Lets two welded links go, named in either order.\n\nRaises:\n    UnknownNameError: they are not welded.")
+      .def_property_readonly("welds", &World::welds, "List of (a, b): the links that are welded.")
       .def("set_ground", &setGround, py::arg("z_m"), py::arg("friction") = 1.0,
            "Sets the plane that robots with contacts.neighbours touch and rays meet; z_m None: there is none.")
       .def("cast_rays", &castRays, py::arg("p"), py::arg("directions"), py::arg("nearest_m"), py::arg("farthest_m"),

@@ -37,7 +37,8 @@ class Group(Single):
         self.simulation.set_group_command(self.name, list(value))
 
 
-@register("effort_controllers/JointPositionController", "effort_controllers/JointVelocityController")
+@register("effort_controllers/JointPositionController", "effort_controllers/JointVelocityController",
+          "velocity_controllers/JointPositionController")
 class SinglePid(Single):
     rate_hz = 100.0  # ros_control sends every tenth of its steps of 1 ms
 

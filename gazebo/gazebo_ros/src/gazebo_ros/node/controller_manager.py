@@ -36,9 +36,8 @@ class ControllerManager(Outlet):
             except ArasError as error:
                 self._tell(str(error))
                 return kind._response_class(False)
-        service = rospy.Service(joined(self._space, "controller_manager", name), kind,
-                                lambda request: self.work.call(lambda: respond(request)))
-        self.ends_with(lambda: service.shutdown("the model is gone"))
+        self.serve(joined(self._space, "controller_manager", name), kind,
+                   lambda request: self.work.call(lambda: respond(request)))
 
     def _loaded(self):
         """Those of ros_control: wheels that a plugin drives are not among them."""

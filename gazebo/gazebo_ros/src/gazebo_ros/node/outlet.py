@@ -1,6 +1,9 @@
 """What the topics of all parts of the world share: their place in the ROS graph, and when they are published."""
+import re
+
 import rospy
 
+from ..faults import told
 from ..world.pushes import NEVER_NS
 
 
@@ -19,6 +22,10 @@ class Beat:
         return True
 
 
+#: What no name in ROS may have; roscpp refuses `-` too, rospy warns of it.
+ILLEGAL = re.compile(r"[^A-Za-z0-9_/~-]")
+
+
 class Outlet:
     """Topics of one part of the world. Everything but the callbacks of rospy runs in the world's thread.
 
@@ -32,14 +39,28 @@ class Outlet:
     def __init__(self, world, model, work):
         self.world, self.model, self.work = world, model, work
         self._publishers, self._ends, self._beat = [], [], None
-        self.open()
+        try:
+            self.open()
+        except Exception:
+            self.close()
+            raise
 
     @property
     def simulation(self):
         return self.model.simulation
 
+    def _owner(self):
+        return "model '%s'" % self.model.name if self.model is not None else "world"
+
+    def _legal(self, name):
+        """A name without what ROS does not allow, with a warning where it is another."""
+        legal = ILLEGAL.sub("_", name)
+        if legal != name:
+            rospy.logwarn(told("ros name", self._owner(), "the name '%s'" % name, legal))
+        return legal
+
     def advertise(self, name, kind, queue_size=10):
-        publisher = rospy.Publisher(name, kind, queue_size=queue_size)
+        publisher = rospy.Publisher(self._legal(name), kind, queue_size=queue_size)
         self._publishers.append(publisher)
         self._ends.append(publisher.unregister)
         return publisher
@@ -47,7 +68,15 @@ class Outlet:
     def listen(self, name, kind, react):
         """react(message) is called in the world's thread; what it refuses is logged."""
         self._ends.append(rospy.Subscriber(
-            name, kind, lambda message: self.work.post(lambda: react(message), name)).unregister)
+            self._legal(name), kind, lambda message: self.work.post(lambda: react(message), name)).unregister)
+
+    def serve(self, name, kind, respond):
+        """Serves respond(request), in a thread of rospy. A service that this node serves already stays what it is, with
+        an error in the log, as roscpp has it."""
+        try:
+            self._ends.append(rospy.Service(self._legal(name), kind, respond).shutdown)
+        except rospy.ServiceException:
+            rospy.logerr(told("topic", "%s: service %s" % (self._owner(), name), "it served already"))
 
     def ends_with(self, action):
         """action() is called at the end."""

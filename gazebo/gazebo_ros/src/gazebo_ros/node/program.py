@@ -3,15 +3,14 @@ import argparse
 
 import rospy
 
-from aras_visual_servo_sim import ArasError
-
+from ..faults import REFUSED
 from ..sdf.world import EMPTY_WORLD, read_world
 from .folders import Folders
 from .server import CLOCK_RATE_HZ, Server
 
 #: Of the world that has nothing but the ground and the sun, which Gazebo has under these names.
 EMPTY = ("", "worlds/empty.world", "empty.world")
-NOT_THERE = 255  #: what Gazebo's server returns when it cannot read the world
+NOT_THERE = 255  #: what Gazebo's server returns when there is no such world
 
 #: Options that Gazebo's server takes, without and with a value, and that change nothing here.
 FLAGS = ("-r", "--record", "--verbose", "--lockstep", "-q", "--quiet", "--minimal_comms", "--record_resources")
@@ -39,9 +38,12 @@ def main():
     folders = Folders()
     try:
         file = world_of(world, folders)
-    except (OSError, ArasError) as error:
+    except NoSuchWorldError as error:
         rospy.logfatal("gzserver: %s" % error)
         return NOT_THERE
+    except Exception as error:  # of libsdformat or Python as well: a world that cannot be read is an empty one
+        rospy.logerr("gzserver: %s: %s: the world is empty" % (world, str(error).replace(REFUSED, "")))
+        file = read_world(EMPTY_WORLD, False, folders)
     rate_hz = rospy.get_param("/gazebo/pub_clock_frequency", CLOCK_RATE_HZ)
     server = Server(file.settings, folders, paused, rate_hz if rate_hz > 0 else CLOCK_RATE_HZ)
     server.fill(file)
@@ -49,11 +51,15 @@ def main():
     return 0
 
 
+class NoSuchWorldError(Exception):
+    """There is no file of this name."""
+
+
 def world_of(name, folders):
-    """WorldFile of a name. Raises: OSError, ModelError."""
+    """WorldFile of a name. Raises: NoSuchWorldError, ModelError."""
     path = folders.resource(name)
     if path is not None:
         return read_world(path, True, folders)
     if name in EMPTY:
         return read_world(EMPTY_WORLD, False, folders)
-    raise FileNotFoundError("Could not open file[%s]" % name)
+    raise NoSuchWorldError("Could not open file[%s]" % name)

@@ -1,4 +1,5 @@
 """The node: one thread that steps the world, publishes, and answers calls."""
+import functools
 import time
 
 import rospy
@@ -6,8 +7,8 @@ from rosgraph_msgs.msg import Clock
 
 from aras_visual_servo_sim import ArasError
 
+from ..faults import told
 from ..world import snapshot
-from ..sdf.world import GROUND
 from ..world.world import World
 from .cameras import Cameras
 from .controller_manager import ControllerManager
@@ -37,7 +38,7 @@ class Server:
         """Args: settings: WorldSettings.  folders: Folders."""
         self.world, self.work, self.paused = World(settings, folders), Work(), paused
         self.update_rate_hz = UPDATE_RATE_HZ
-        self._interfaces = {}
+        self._interfaces, self._of_world = {}, []
         self._lockstep = rospy.get_param(LOCKSTEP, "")
         self._asked_s = None  #: wall time at which an image was sent that is not answered yet
         self._clock = rospy.Publisher("/clock", Clock, queue_size=10)
@@ -70,8 +71,13 @@ class Server:
                 self._welcome(self.world.place_sdf(model.name, model, X_WM))
             except ArasError as error:
                 warnings.append("model '%s': %s" % (model.name, error))
-        for warning in warnings:
+            except Exception as error:  # whatever it is, the rest of the world comes up
+                warnings.append("model '%s': %s" % (model.name, named(error)))
+        self.world.before_ground = {model.name for model, _ in file.models[:file.ground_at]} & set(self.world.models)
+        for warning in dict.fromkeys(warnings):
             rospy.logwarn("world: %s" % warning)
+        makers = [functools.partial(outlet_of(device), self.world, None, device, self.work) for device in file.devices]
+        self._of_world += self._opened("world", makers)
         self._restart_pace()
 
     def _welcome(self, model):
@@ -79,11 +85,33 @@ class Server:
         name = model.name
         if model.warnings:
             rospy.logwarn("model '%s':\n  %s" % (name, "\n  ".join(summed_up(model.warnings))))
-        interfaces = [Cameras(self.world, model, self.work)] if model.description.cameras else []
+        makers = [functools.partial(Cameras, self.world, model, self.work)] if model.description.cameras else []
         if model.description.control_namespace:
-            interfaces.append(ControllerManager(self.world, model, self.work))
-        interfaces += [outlet_of(device)(self.world, model, device, self.work) for device in model.description.devices]
-        self._interfaces[name] = interfaces
+            makers.append(functools.partial(ControllerManager, self.world, model, self.work))
+        makers += [functools.partial(outlet_of(device), self.world, model, device, self.work)
+                   for device in model.description.devices]
+        self._interfaces[name] = self._opened("model '%s'" % name, makers)
+
+    @staticmethod
+    def _opened(owner, makers):
+        """What these functions make; what they cannot is left out, with an error."""
+        made = []
+        for make in makers:
+            try:
+                made.append(make())
+            except Exception as error:  # of rospy: a name that ROS does not allow, a topic of another type
+                rospy.logerr(told("plugin", "%s: %s" % (owner, make.func.__name__), named(error)))
+        return made
+
+    def _leave_out(self, outlet, error):
+        """Closes what a plugin publishes: it cannot go on, the world can."""
+        owner = next((each for each in (self._of_world, *self._interfaces.values()) if outlet in each), None)
+        if owner is None:
+            raise error
+        owner.remove(outlet)
+        outlet.close()
+        name = "world" if owner is self._of_world else "model '%s'" % outlet.model.name
+        rospy.logerr(told("plugin", "%s: %s" % (name, type(outlet).__name__), named(error)))
 
     def delete(self, name):
         for interface in self._interfaces.pop(name):
@@ -151,7 +179,7 @@ class Server:
         self._restart_pace()
 
     def model_names(self):
-        return [GROUND] * self.world.settings.ground + list(self.world.models)
+        return self.world.names
 
     # --- time
 
@@ -171,6 +199,7 @@ class Server:
     def _outlets(self):
         yield self._states
         yield self._pushes
+        yield from self._of_world
         for interfaces in self._interfaces.values():
             yield from interfaces
 
@@ -206,10 +235,18 @@ class Server:
 
     def advance(self, target_ns):
         """Steps to a time and publishes what is due there."""
-        self.world.step((target_ns - self.world.time_ns) // self.world.period_ns)
+        try:
+            self.world.step((target_ns - self.world.time_ns) // self.world.period_ns)
+        except ArasError as error:
+            rospy.logerr("time stands still, /gazebo/unpause_physics lets it go on: %s" % error)
+            self.pause(True)
+            return
         self._clock.publish(Clock(stamp(self.world.time_ns)))
         for outlet in list(self._outlets()):
-            outlet.publish(self.world.time_ns)
+            try:
+                outlet.publish(self.world.time_ns)
+            except Exception as error:
+                self._leave_out(outlet, error)
         if self._lockstep and self._sent_images():
             self._asked_s = time.monotonic()
 
@@ -217,6 +254,11 @@ class Server:
         """Whether an image of the model of the lockstep went out at this time."""
         return any(isinstance(each, Cameras) and each.sent_ns == self.world.time_ns
                    for each in self._interfaces.get(self._lockstep, ()))
+
+
+def named(error):
+    """An exception by its kind and text."""
+    return "%s: %s" % (type(error).__name__, error)
 
 
 class PushesOutlet(Outlet):

@@ -2,8 +2,11 @@
 from gazebo_msgs.msg import LinkStates, ModelState, ModelStates
 from geometry_msgs.msg import Pose, Twist
 
+from ..sdf.world import GROUND
 from .convert import pose_message, twist_message
 from .outlet import Outlet
+
+GROUND_LINK = "link"  #: of the model ground_plane
 
 
 class StateTopics(Outlet):
@@ -18,18 +21,20 @@ class StateTopics(Outlet):
         self.begin(0)
 
     def send(self, _now_ns):
-        models = self.world.models
+        """As publishModelStates and publishLinkStates of gazebo_ros_api_plugin.cpp: models as the world counts them,
+        links as each model has them."""
+        models, names = self.world.models, self.world.names
         if self._models.get_num_connections():
-            ground = self._server.model_names()[:len(self._server.model_names()) - len(models)]
             self._models.publish(ModelStates(
-                name=self._server.model_names(),
-                pose=[still()] * len(ground) + [pose_message(each.pose()) for each in models.values()],
-                twist=[Twist()] * len(ground) + [twist_message(each.twist()) for each in models.values()]))
+                name=names, pose=[pose_message(models[name].pose()) if name in models else still() for name in names],
+                twist=[twist_message(models[name].twist()) if name in models else Twist() for name in names]))
         if self._links.get_num_connections():
-            links = [(model, link) for model in models.values() for link in model.links]
-            self._links.publish(LinkStates(name=["%s::%s" % (model.name, link) for model, link in links],
-                                           pose=[pose_message(model.link_pose(link)) for model, link in links],
-                                           twist=[twist_message(model.link_twist(link)) for model, link in links]))
+            links = [(models.get(name), link) for name in names
+                     for link in (models[name].bodies if name in models else [GROUND_LINK])]
+            self._links.publish(LinkStates(
+                name=["%s::%s" % (model.name if model else GROUND, link) for model, link in links],
+                pose=[pose_message(model.link_pose(link)) if model else still() for model, link in links],
+                twist=[twist_message(model.link_twist(link)) if model else Twist() for model, link in links]))
 
 
 def still():

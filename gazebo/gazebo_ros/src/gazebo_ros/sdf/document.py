@@ -1,46 +1,23 @@
 """Documents of SDF: what libsdformat makes of them, with what they include, and poses in them."""
 import os
-import re
-import xml.etree.ElementTree as ElementTree
 
 import numpy
 
 from aras_visual_servo_sim import ModelError
 
-from .. import _sdf
 from ..world.poses import matrix_of, matrix_of_rpy
-
-
-#: A time of a saved <state> without its nanoseconds, which Gazebo's SDF reads and libsdformat 12 does not.
-SECONDS = re.compile(r"(<(sim_time|real_time|wall_time)>\s*\d+)(\s*</\2>)")
+from .mend import Reader
 
 
 def expanded(source, is_path, folders):
     """A document in the newest version of SDF, everything that it includes in its place.
 
     Args: source: a path, or the document.  folders: as World has them.
-    Returns: its root element, a list of lines that say what was left out.
+    Returns: its root element, a list of lines that say what was left out or mended.
     Raises: ModelError: no SDF.
     """
-    source, is_path = with_nanoseconds(source, is_path)
-    try:
-        text, messages = _sdf.expanded(source, is_path, lambda uri: found(uri, folders))
-        return ElementTree.fromstring(text), messages
-    except (ValueError, ElementTree.ParseError) as error:
-        raise ModelError("SpawnModel: Failure - entity format is invalid: %s" % error) from error
-
-
-def with_nanoseconds(source, is_path):
-    """(source, is_path) of a document whose times all have nanoseconds: that of a path itself if they have them."""
-    text = source
-    if is_path:
-        try:
-            with open(source, encoding="utf-8") as stream:
-                text = stream.read()
-        except (OSError, UnicodeDecodeError):
-            return source, is_path  # libsdformat says what is wrong with the file
-    whole = SECONDS.sub(r"\1 0\3", text)
-    return (source, is_path) if whole == text else (whole, False)
+    reader = Reader(lambda uri: found(uri, folders))
+    return reader.expanded(source, is_path), reader.warnings
 
 
 def found(uri, folders):

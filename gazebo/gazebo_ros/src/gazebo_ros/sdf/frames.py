@@ -4,6 +4,10 @@ import xml.etree.ElementTree as ElementTree
 
 import numpy
 
+from aras_visual_servo_sim import ModelError
+
+from ..faults import told
+from ..urdf.mend import numbers_in
 from .document import pose_of
 
 MODEL = "__model__"
@@ -51,8 +55,15 @@ class Frames:
                 self._warnings.append("frame '%s' %s: the model's is taken" %
                                       (name, "hangs from itself" if part else "does not exist"))
                 return numpy.eye(4)
-            self._known[name] = self.pose(self._parent(part), (*under, name)) @ pose_of(part.element, name)
+            self._known[name] = self.pose(self._parent(part), (*under, name)) @ self._own_pose(part.element, name)
         return self._known[name]
+
+    def _own_pose(self, element, name):
+        try:
+            return pose_of(element, name)
+        except ModelError as error:
+            self._warnings.append(told("origin", "<%s name='%s'>" % (element.tag, name), error))
+            return numpy.eye(4)
 
     def _parent(self, part):
         """Name of the frame that a part's pose is given in."""
@@ -75,7 +86,7 @@ class Frames:
         xyz = joint.element.find("axis/xyz")
         if xyz is None:
             return numpy.array((0.0, 0.0, 1.0))
-        axis = numpy.array([float(word) for word in xyz.text.split()])
+        axis = numpy.array(numbers_in(xyz.text, 3) or (0.0, 0.0, 0.0))
         frame = xyz.get("expressed_in", "")
         if frame:
             axis = self.pose(joint.name)[:3, :3].T @ self.pose(joint.scope + frame)[:3, :3] @ axis

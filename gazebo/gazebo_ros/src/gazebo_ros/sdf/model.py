@@ -5,7 +5,11 @@ import xml.etree.ElementTree as ElementTree
 
 import numpy
 
+from aras_visual_servo_sim import ModelError
+
+from ..faults import told
 from ..world.poses import rpy_of
+from ..urdf.tree import DESCRIBED_BY
 from .document import found, number, numbers, pose_of
 from .frames import Frames
 
@@ -45,7 +49,6 @@ class SdfModel:
 def model_of(element, folders):
     """Args: element: <model>, of an expanded document.  folders: as World has them.
     Returns: SdfModel
-    Raises: SpawnError: numbers that are none.
     """
     return Writer(element, folders).written()
 
@@ -57,7 +60,7 @@ class Writer:
         self._model, self._folders, self._warnings, self._planes = model, folders, [], []
         self._frames = Frames(model, self._warnings)
         self._static = model.findtext("static", "").strip() in ("true", "1")
-        self._robot = ElementTree.Element("robot", name=model.get("name", "model"))
+        self._robot = ElementTree.Element("robot", {"name": model.get("name", "model"), DESCRIBED_BY: "sdf"})
 
     def written(self):
         links, name = self._frames.links, self._model.get("name", "")
@@ -80,11 +83,28 @@ class Writer:
                 self._warn("link '%s' hangs from no joint: it is held at '%s'" % (link, first))
             self._hung(link + "::held", "fixed", first, link, numpy.linalg.inv(X_MR) @ self._frames.pose(link))
         self._extras()
-        return SdfModel(name, ElementTree.tostring(self._robot, encoding="unicode"), pose_of(self._model, name), X_MR,
-                        tuple(self._planes), tuple(dict.fromkeys(self._warnings)))
+        pose = self._pose(self._model, name)
+        return SdfModel(name, ElementTree.tostring(self._robot, encoding="unicode"), pose, X_MR, tuple(self._planes),
+                        tuple(dict.fromkeys(self._warnings)))
 
     def _warn(self, text):
         self._warnings.append(text)
+
+    def _number(self, element, path, otherwise, what):
+        """A number in the text of a descendant, with a warning the default where it is none."""
+        try:
+            return number(element, path, otherwise, what)
+        except ModelError as error:
+            self._warn(told("element", what, error, "%g" % otherwise))
+            return otherwise
+
+    def _pose(self, element, what):
+        """(4, 4) of an element's <pose>, with a warning that of the element it stands in where it is none."""
+        try:
+            return pose_of(element, what)
+        except ModelError as error:
+            self._warn(told("origin", what, error))
+            return numpy.eye(4)
 
     def _gazebo(self, reference, *children):
         """A <gazebo> tag about a link, or about the model."""
@@ -145,23 +165,23 @@ class Writer:
             moved = name + JOINT_FRAME
             ElementTree.SubElement(self._robot, "link", name=moved)
             self._hung(moved + "::child", "fixed", moved, child, offset)
-        lower = number(joint.element, "axis/limit/lower", -1e16, name)
-        upper = number(joint.element, "axis/limit/upper", 1e16, name)
+        lower = self._number(joint.element, "axis/limit/lower", -1e16, name)
+        upper = self._number(joint.element, "axis/limit/upper", 1e16, name)
         free = lower <= -UNLIMITED or upper >= UNLIMITED
         if kind == "revolute" and free:
             kind = "continuous"
         made = self._hung(name, kind, parent, moved, numpy.linalg.inv(X_MP) @ X_MJ)
         ElementTree.SubElement(made, "axis", xyz=spaced(self._frames.axis(joint)))
-        effort = number(joint.element, "axis/limit/effort", -1.0, name)
-        velocity = number(joint.element, "axis/limit/velocity", -1.0, name)
+        effort = self._number(joint.element, "axis/limit/effort", -1.0, name)
+        velocity = self._number(joint.element, "axis/limit/velocity", -1.0, name)
         ElementTree.SubElement(made, "limit", lower=repr(max(lower, -FARTHEST_M)), upper=repr(min(upper, FARTHEST_M)),
                                effort=repr(effort if 0.0 <= effort < STRONGEST else STRONGEST),
                                velocity=repr(velocity if 0.0 < velocity < FASTEST else FASTEST))
         ElementTree.SubElement(made, "dynamics", **{
-            key: repr(max(0.0, number(joint.element, "axis/dynamics/" + key, 0.0, name)))
+            key: repr(max(0.0, self._number(joint.element, "axis/dynamics/" + key, 0.0, name)))
             for key in ("damping", "friction")})
         for key in ("spring_stiffness", "spring_reference"):
-            if number(joint.element, "axis/dynamics/" + key, 0.0, name):
+            if self._number(joint.element, "axis/dynamics/" + key, 0.0, name):
                 self._warn("joint '%s': <%s> is ignored" % (name, key))
 
     def _hung(self, name, kind, parent, child, X_PC):
@@ -180,11 +200,14 @@ class Writer:
             ElementTree.SubElement(self._gazebo(part.name), "selfCollide").text = "true"
         for kind in ("visual", "collision"):
             for k, element in enumerate(part.element.findall(kind)):
-                self._shape(part, element, made, "%s %d" % (element.get("name", kind), k))
+                try:
+                    self._shape(part, element, made, "%s %d" % (element.get("name", kind), k))
+                except ModelError as error:
+                    self._warn(told("shape", "<%s> of link '%s'" % (kind, part.name), error))
         for child in part.element:
             if child.tag in ("sensor", "light"):
                 self._gazebo(part.name, plain(child))
-            elif child.tag == "gravity" and child.text.strip() in ("false", "0"):
+            elif child.tag == "gravity" and (child.text or "").strip() in ("false", "0"):
                 self._gazebo(part.name, child)
             elif child.tag not in LINK_TAGS:
                 self._warn("<%s> in <link name='%s'>: ignored" % (child.tag, part.name))
@@ -200,10 +223,10 @@ class Writer:
         inertial = part.element.find("inertial")
         inertial = ElementTree.Element("inertial") if inertial is None else inertial
         tag = ElementTree.SubElement(made, "inertial")
-        ElementTree.SubElement(tag, "origin", **origin(pose_of(inertial, what)))
-        ElementTree.SubElement(tag, "mass", value=repr(number(inertial, "mass", 1.0, what)))
+        ElementTree.SubElement(tag, "origin", **origin(self._pose(inertial, what)))
+        ElementTree.SubElement(tag, "mass", value=repr(self._number(inertial, "mass", 1.0, what)))
         ElementTree.SubElement(tag, "inertia", **{
-            key: repr(number(inertial, "inertia/" + key, 1.0 if key[1] == key[2] else 0.0, what))
+            key: repr(self._number(inertial, "inertia/" + key, 1.0 if key[1] == key[2] else 0.0, what))
             for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")})
 
     def _shape(self, part, element, made, name):
@@ -213,7 +236,7 @@ class Writer:
         shape = next(iter(geometry), None) if geometry is not None else None
         if shape is None or shape.tag == "empty":
             return
-        pose = pose_of(element, what)
+        pose = self._pose(element, what)
         if shape.tag == "plane":
             normal = numbers(shape.findtext("normal") or "0 0 1", 3, what)
             pose = pose @ turned_up(normal)

@@ -6,6 +6,8 @@ import numpy
 
 from aras_visual_servo_sim import ModelError
 
+from ..faults import told
+from ..world.plugins import read_world_device
 from ..world.settings import WorldSettings
 from .document import expanded, number, numbers, pose_of
 from .model import model_of
@@ -17,6 +19,8 @@ GROUND = "ground_plane"
 #: What Gazebo's worlds/empty.world has.
 EMPTY_WORLD = """<sdf version="1.6"><world name="default">
   <include><uri>model://ground_plane</uri></include><include><uri>model://sun</uri></include></world></sdf>"""
+PERIODS_S = 1e-6, 0.1   #: the shortest and the longest step of the simulator
+MOST_GRAVITY = 1000.0   #: [m/s^2]
 PLANE_TOLERANCE = 1e-6  #: of a plane's normal and height, beside what six decimals of a file round
 
 
@@ -26,15 +30,19 @@ class WorldFile:
     Attributes:
         settings: WorldSettings.
         update_rate_hz: steps per second of wall time, 0 for as many as there can be.
-        models: SdfModel with the X_WM of each, (4, 4), in the order of the file.
+        models: SdfModel with the X_WM of each, (4, 4), in the order of the file, without the ground plane.
+        ground_at: number of models before the ground plane.
         lights: text of <light> by name.
         warnings: what is ignored, a line each.
+        devices: what plugins of the world do, of world/plugins.
     """
     settings: WorldSettings
     update_rate_hz: float
     models: tuple
     lights: dict
     warnings: tuple
+    ground_at: int = 0
+    devices: tuple = ()
 
 
 def read_world(source, is_path, folders):
@@ -42,19 +50,20 @@ def read_world(source, is_path, folders):
     root, warnings = expanded(source, is_path, folders)
     world = root.find("world")
     if world is None:
-        raise ModelError("found no <world>, allowed is an SDF document with one")
+        raise ModelError("%s: found no <world>, allowed is an SDF document with one" %
+                         (source if is_path else "the document"))
     states = {kind: {each.get("name"): each for each in world.findall("state/" + kind)} for kind in ("model", "light")}
-    models, settings = [], settings_of(world)
+    models, ground_at, settings = [], 0, settings_of(world, warnings)
     for element in world.findall("model"):
-        try:
-            model = model_of(element, folders)
-        except ModelError as error:
-            warnings.append("model '%s': %s" % (element.get("name"), error))
-            continue
-        state = states["model"].get(model.name)
-        pose = model.pose if state is None else pose_of(state, "state of model '%s'" % model.name)
+        model = model_of(element, folders)
+        state, pose = states["model"].get(model.name), model.pose
+        if state is not None:
+            try:
+                pose = pose_of(state, "state of model '%s'" % model.name)
+            except ModelError as error:
+                warnings.append(told("origin", "model '%s': <state>" % model.name, error, "the model's own <pose>"))
         if is_ground(model, pose):
-            settings = dataclasses.replace(settings, ground=True)
+            settings, ground_at = dataclasses.replace(settings, ground=True), len(models)
         else:
             models.append((model, pose))
     lights = {}
@@ -65,15 +74,28 @@ def read_world(source, is_path, folders):
                 element.remove(old)
             element.append(state.find("pose"))
         lights[element.get("name")] = ElementTree.tostring(element, encoding="unicode")
+    devices = []
     for child in world:
         if child.tag == "plugin":
-            warnings.append("plugin %s of the world is not simulated: ignored" % child.get("filename"))
+            devices += world_device(child, warnings)
         elif child.tag not in QUIET:
             name = child.get("name")
             warnings.append("<%s%s> of the world is not simulated: ignored" %
                             (child.tag, " name='%s'" % name if name else ""))
-    rate_hz = number(world, "physics/real_time_update_rate", 1000.0, "physics")
-    return WorldFile(settings, rate_hz, tuple(models), lights, tuple(warnings))
+    rate_hz = max(0.0, tried(number, warnings, world, "physics/real_time_update_rate", 1000.0))
+    return WorldFile(settings, rate_hz, tuple(models), lights, tuple(warnings), ground_at, tuple(devices))
+
+
+def world_device(plugin, warnings):
+    """What a plugin of the world does, in a list: [] and a warning where it does nothing."""
+    try:
+        device = read_world_device(plugin)
+    except ValueError as error:
+        warnings.append(told("plugin", "plugin %s of the world" % plugin.get("filename"), error))
+        return []
+    if device is None:
+        warnings.append("plugin %s of the world is not simulated: ignored" % plugin.get("filename"))
+    return [] if device is None else [device]
 
 
 def is_ground(model, X_WM):
@@ -88,21 +110,42 @@ def height_of(X_WP):
     return 0.0 if abs(X_WP[2, 3]) < PLANE_TOLERANCE else float(X_WP[2, 3])
 
 
-def settings_of(world):
+def tried(read, warnings, world, path, otherwise):
+    """read(world, path, otherwise, path); where that cannot be read, the default with a warning."""
+    try:
+        return read(world, path, otherwise, "<%s>" % path)
+    except ModelError as error:
+        warnings.append(told("element", "world: <%s>" % path, error, "SDF's default"))
+        return otherwise
+
+
+def vector(world, path, otherwise, what):
+    """Three numbers of a descendant. Raises: ModelError."""
+    text = world.findtext(path)
+    return tuple(numbers(text, 3, what)) if text else otherwise
+
+
+def settings_of(world, warnings):
     """WorldSettings of <physics>, <gravity> and <scene>; a world without a ground plane has none."""
     known = WorldSettings()
-    gravity = world.findtext("gravity")
+    period_s = tried(number, warnings, world, "physics/max_step_size", known.period_s)
+    if not PERIODS_S[0] <= period_s <= PERIODS_S[1]:
+        warnings.append(told("element", "world: <max_step_size>", "%g s" % period_s, "%g s" % known.period_s))
+        period_s = known.period_s
+    gravity = tried(vector, warnings, world, "gravity", known.gravity_m_s2)
+    if numpy.linalg.norm(gravity) > MOST_GRAVITY:
+        warnings.append(told("element", "world: <gravity>", "%g %g %g m/s^2" % gravity, "SDF's default"))
+        gravity = known.gravity_m_s2
     return WorldSettings(
-        period_s=number(world, "physics/max_step_size", known.period_s, "physics"),
-        gravity_m_s2=tuple(numbers(gravity, 3, "<gravity>")) if gravity else known.gravity_m_s2, ground=False,
-        ambient_rgb=color_of(world, "scene/ambient", known.ambient_rgb),
-        background_rgb=color_of(world, "scene/background", known.background_rgb),
+        period_s=period_s, gravity_m_s2=gravity, ground=False,
+        ambient_rgb=tried(color_of, warnings, world, "scene/ambient", known.ambient_rgb),
+        background_rgb=tried(color_of, warnings, world, "scene/background", known.background_rgb),
         shadows=world.findtext("scene/shadows", "true").strip().lower() not in ("false", "0"))
 
 
-def color_of(world, path, otherwise):
-    """Red, green, blue, 0 .. 255."""
+def color_of(world, path, otherwise, what):
+    """Red, green, blue, 0 .. 255. Raises: ModelError."""
     text = (world.findtext(path) or "").split()
     if len(text) not in (3, 4):
         return otherwise
-    return tuple(float(part) for part in 255.0 * numpy.clip(numbers(" ".join(text[:3]), 3, "<%s>" % path), 0.0, 1.0))
+    return tuple(float(part) for part in 255.0 * numpy.clip(numbers(" ".join(text[:3]), 3, what), 0.0, 1.0))

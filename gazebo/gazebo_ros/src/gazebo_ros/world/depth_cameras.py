@@ -5,13 +5,15 @@ What they publish was read from gazebo_ros_realsense.cpp of pal-robotics/realsen
 gazebo_ros_openni_kinect.cpp and gazebo_ros_depth_camera.cpp of ros-simulation/gazebo_ros_pkgs.
 """
 import dataclasses
+import itertools
 import math
 import typing
 import xml.etree.ElementTree as ElementTree
 
 import numpy
 
-from .devices import flag, joined, number, text
+from ..faults import told
+from .devices import flag, joined, named, namespace_of, number, text
 
 REALSENSE = "librealsense_gazebo_plugin.so"
 KINECT = "libgazebo_ros_openni_kinect.so", "libgazebo_ros_depth_camera.so"
@@ -84,12 +86,13 @@ class CameraTopics:
     depth: typing.Optional[Depth] = None  #: of a camera that sees it
 
 
-def finite(element, key, otherwise):
-    """The number of a key. Raises: ValueError: it is none, or not finite."""
-    value = number(element, key, otherwise)
-    if not math.isfinite(value):
-        raise ValueError("<%s> is %s, allowed is a finite number" % (key, value))
-    return value
+def told_number(plugin, key, otherwise, warnings):
+    """The number of a key; the default, with a warning, where it is none."""
+    try:
+        return number(plugin, key, otherwise)
+    except ValueError as error:
+        warnings.append(told("key", "plugin '%s'" % plugin.get("name", ""), error, "%g" % otherwise))
+        return otherwise
 
 
 def sibling(topic, name):
@@ -101,12 +104,13 @@ def is_realsense(plugin):
     return plugin.get("filename", "").rpartition("/")[2] == REALSENSE
 
 
-def read_realsense(robot, plugin, warnings):
+def read_realsense(robot, plugin, done, warnings):
     """The cameras of a RealSense. Their sensors become such as the simulator reads.
 
-    Args: robot: element of the URDF.  plugin: the element.  warnings: gets a line for each sensor that is not there.
+    Args:
+        robot: element of the URDF.  plugin: the element.  done: gets the sensors.
+        warnings: gets a line for each sensor that is not there.
     Returns: dict of the name of the camera -> CameraTopics.
-    Raises: ValueError: a number that is none.
     """
     place, prefix = plugin.get("name", ""), text(plugin, "prefix")
     sensors = {sensor.get("name"): sensor for sensor in robot.findall("gazebo/sensor")}
@@ -116,16 +120,19 @@ def read_realsense(robot, plugin, warnings):
         if sensor is None:
             warnings.append("plugin %s: there is no sensor '%s'" % (REALSENSE, name))
             continue
-        image = joined(place, text(plugin, topic_key, end + "/image_raw"))
+        image = named(place, text(plugin, topic_key, end + "/image_raw"))
         info, trigger = sibling(image, "camera_info"), sibling(image, "image_trigger")
         become_camera(sensor, text(plugin, frame_key))
+        done.append(sensor)
         if end != DEPTH:
             cameras[name] = CameraTopics(image, info, trigger)
             continue
-        points = joined(place, text(plugin, "pointCloudTopicName", "points")) if flag(plugin, "pointCloud") else ""
+        points = named(place, text(plugin, "pointCloudTopicName", "points")) if flag(plugin, "pointCloud") else ""
+        nearest, farthest, cloud_nearest, cloud_farthest = (
+            told_number(plugin, *each, warnings) for each in (("rangeMinDepth", 0.0), ("rangeMaxDepth", 65.535),
+                                                              ("pointCloudCutoff", 0.0), ("pointCloudCutoffMax", 5.0)))
         cameras[name] = CameraTopics("", "", trigger, Depth(
-            image, info, points, True, (finite(plugin, "rangeMinDepth", 0.0), finite(plugin, "rangeMaxDepth", 65.535)),
-            (finite(plugin, "pointCloudCutoff", 0.0), finite(plugin, "pointCloudCutoffMax", 5.0)),
+            image, info, points, True, (nearest, farthest), (cloud_nearest, cloud_farthest),
             colors=prefix + "color" if prefix + "color" in cameras else name))
     return cameras
 
@@ -144,31 +151,53 @@ def become_camera(sensor, frame):
         ElementTree.SubElement(plugin, key).text = value
 
 
-def read_kinects(robot, namespace):
+def place_of(plugin, namespace, model):
+    """Where the topics of a camera's plugin are, unless they begin with /: NodeHandle(robotNamespace + "/" +
+    cameraName) of GazeboRosCameraUtils::LoadThread."""
+    return joined(namespace_of(plugin, namespace, model), text(plugin, "cameraName"))
+
+
+def own_name(sensor, plugin, known, warnings):
+    """The name of a camera, which no other of the robot has: its plugin is given it.
+
+    Args: known: names that are taken.  warnings: gets a line where cameraName is one of them.
+    """
+    wanted = text(plugin, "cameraName").strip("/") or sensor.get("name", "")
+    names = itertools.chain((wanted,), ("%s_%d" % (wanted, k) for k in itertools.count(2)))
+    name = next(each for each in names if each not in known)
+    if name != wanted:
+        warnings.append(told("twice", "sensor '%s'" % sensor.get("name"), "the cameraName '%s' of another" % wanted))
+    said = plugin.find("cameraName")
+    (ElementTree.SubElement(plugin, "cameraName") if said is None else said).text = name
+    return name
+
+
+def read_kinects(robot, namespace, model, done, warnings):
     """The cameras of the plugins of Kinects, whose sensors become such as the simulator reads.
 
     Returns: dict as `read_realsense`.
-    Raises: ValueError: a number that is none.
     """
     cameras = {}
     for sensor in robot.findall("gazebo/sensor"):
         for plugin in sensor.findall("plugin"):
             if plugin.get("filename", "").rpartition("/")[2] not in KINECT:
                 continue
-            name = text(plugin, "cameraName", sensor.get("name", "")).lstrip("/")
-            place = joined(text(plugin, "robotNamespace", namespace), name)
-            nearest, farthest = finite(plugin, "pointCloudCutoff", 0.4), finite(plugin, "pointCloudCutoffMax", 5.0)
+            place = place_of(plugin, namespace, model)
+            name = own_name(sensor, plugin, cameras, warnings)
+            nearest, farthest = (told_number(plugin, key, otherwise, warnings) for key, otherwise in
+                                 (("pointCloudCutoff", 0.4), ("pointCloudCutoffMax", 5.0)))
             if plugin.get("filename", "").endswith(KINECT[1]):  # has no farthest depth
                 farthest = math.inf
             short = flag(plugin, "useDepth16UC1Format")
-            depth = Depth(image=joined(place, text(plugin, "depthImageTopicName", "depth/image_raw")),
-                          info=joined(place, text(plugin, "depthImageCameraInfoTopicName", "depth/camera_info")),
-                          points=joined(place, text(plugin, "pointCloudTopicName", "points")), millimetres=short,
+            depth = Depth(image=named(place, text(plugin, "depthImageTopicName", "depth/image_raw")),
+                          info=named(place, text(plugin, "depthImageCameraInfoTopicName", "depth/camera_info")),
+                          points=named(place, text(plugin, "pointCloudTopicName", "points")), millimetres=short,
                           range_m=(nearest, farthest), points_m=(nearest, farthest), colors=name)
-            info = joined(place, text(plugin, "cameraInfoTopicName", "camera_info"))
-            cameras[name] = CameraTopics(joined(place, text(plugin, "imageTopicName", "image_raw")), info,
+            info = named(place, text(plugin, "cameraInfoTopicName", "camera_info"))
+            cameras[name] = CameraTopics(named(place, text(plugin, "imageTopicName", "image_raw")), info,
                                          sibling(info, "image_trigger"), depth)
             sensor.set("type", "camera")
+            done.append(sensor)
             plugin.set("filename", CAMERA)
             for key in KINECT_KEYS:
                 for element in plugin.findall(key):

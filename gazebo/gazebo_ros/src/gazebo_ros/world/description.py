@@ -5,9 +5,19 @@ import xml.etree.ElementTree as ElementTree
 
 from aras_visual_servo_sim import ModelError
 
-from .depth_cameras import CameraTopics, is_realsense, read_kinects, read_realsense
-from .devices import TRUE, DiffDrive, joined, motorize, read_device, text
+from ..faults import told
+from ..sdf.mend import parsed
+from ..urdf.mend import base_mass, mend
+from ..urdf.sensors import mend_sensors
+from ..urdf.tree import PRESERVED, check_tree, lumped_links
+from .depth_cameras import CameraTopics, is_realsense, own_name, place_of, read_kinects, read_realsense
+from .devices import TRUE, file_of, joined, motorize, named, namespace_of, text
+from .lenses import replace_lenses
 from .looks import drop_missing_meshes, paint_as_gazebo
+from .multicameras import split_multicameras, take_prosilicas
+from .plugins import read_device
+from ..sdf.gazebo_materials import replace_pictures
+from ..urdf.unexpanded import require_expanded
 
 #: Plugins that are part of the simulator, by a piece of their file name.
 CONTROL, CAMERA = "gazebo_ros_control", "camera"
@@ -15,6 +25,7 @@ CONTROL, CAMERA = "gazebo_ros_control", "camera"
 NEEDLESS = ("mimic_joint",)
 NAMED = re.compile(r"(['\">]\s*)(?:package|model)://([^/'\"<]+)")
 MOVING = {"revolute": 0, "continuous": 1, "prismatic": 2}
+MOST_FRICTION = 1000.0  #: that the simulator takes
 
 
 @dataclasses.dataclass(frozen=True)
@@ -35,6 +46,7 @@ class Description:
     frictions: dict         #: link -> coefficient of friction, mu1 of its <gazebo>
     self_collides: frozenset  #: links that touch others of the model that do so too
     retros: dict            #: link -> laserRetro of its <gazebo>, the intensity that lasers see
+    bodies: tuple           #: the links that Gazebo has, in its order: those that no fixed joint puts into another
     warnings: tuple         #: what is ignored, a line each
 
     @property
@@ -61,47 +73,67 @@ def read_description(xml, namespace, model):
         namespace: of plugins that name none of their own; "" for none.
         model: name of the model, the namespace of a controller plugin that has none at all.
     Returns: Description
-    Raises: ModelError: no URDF.
+    Raises: ModelError: no URDF, or links and joints that are no tree.
     """
     try:
-        robot = ElementTree.fromstring(xml)
-    except ElementTree.ParseError as error:
+        robot = parsed(xml)
+    except (ElementTree.ParseError, ValueError) as error:
         raise ModelError("SpawnModel: Failure - entity format is invalid: %s" % error) from error
     if robot.tag != "robot":
         raise ModelError("SpawnModel: Failure - entity format is invalid: found <%s>, allowed is <robot>" % robot.tag)
-    warnings = drop_strangers(robot) + drop_missing_meshes(robot)
+    require_expanded(robot)
+    check_tree(robot)
+    warnings = []
+    mend(robot, warnings)
+    warnings += drop_strangers(robot) + drop_missing_meshes(robot)
+    mend_sensors(robot, warnings)
     free_followers(robot, warnings)
+    split_multicameras(robot, warnings)
+    replace_lenses(robot, warnings)
+    take_prosilicas(robot, warnings)
+    warnings += replace_pictures(robot)
     paint_as_gazebo(robot)
     control, devices = "", []
-    seeing = deep_cameras_of(robot, namespace, warnings)
+    cameras = cameras_of(robot, namespace, model, warnings)
     for gazebo, plugin in [(each, plugin) for each in robot.findall("gazebo") for plugin in each.findall("plugin")]:
         gazebo.remove(plugin)  # the simulator would warn of what is used here
         file = plugin.get("filename", "")
-        device = read_device(robot, plugin, None, "", joined(text(plugin, "robotNamespace", namespace)), warnings)
+        device = read_device(robot, plugin, None, "", namespace_of(plugin, namespace, model), warnings)
         if CONTROL in file:
             control = joined(text(plugin, "robotNamespace", namespace or model))
         elif device is not None:
             devices.append(device)
         elif not is_realsense(plugin) and not any(piece in file for piece in NEEDLESS):
             warnings.append("plugin %s is not simulated: ignored" % file)
-    devices += sensors_of(robot, namespace, warnings)
+    devices += sensors_of(robot, namespace, model, warnings)
     actuated = tuple(sorted({end.get("name") for end in robot.findall("transmission/joint")}))
     for device in devices:
-        if isinstance(device, DiffDrive):
+        if device.motors():
             motorize(robot, device)
     links = {link.get("name") for link in robot.findall("link")}
     heavy = {link.get("name") for link in robot.findall("link") if link.find("inertial") is not None}
     parents, children = ends_of(robot, "parent"), ends_of(robot, "child")
-    cameras = {**cameras_of(robot, namespace, warnings), **seeing}
+    bodies = lumped_links(robot)
+    for _ in said(robot, *PRESERVED):
+        pass
+    fixed = links - set(children.values()) == {"world"}
     static = [is_true(words) for _, words in said(robot, "static")]
+    fixed = fixed or any(static)
+    if not fixed and base_mass(robot) <= 0.0:
+        warnings.append(told("massless base", "link '%s'" % next(iter(links - set(children.values()))), "no mass"))
+        fixed = True
     self_collides = {link for link, words in said(robot, "selfCollide", "self_collide") if is_true(words)}
     off = {link for link, words in said(robot, "turnGravityOff") if is_true(words)}
     off |= {link for link, words in said(robot, "gravity") if words.lower() in ("false", "0")}
-    frictions, retros = (numbers_of(said(robot, *tags), links)
-                         for tags in (("mu1", "mu2"), ("laserRetro", "laser_retro")))
+    frictions, retros = (numbers_of(said(robot, *tags), links, fault, warnings) for fault, tags in
+                         (("coefficient", ("mu1", "mu2")), ("intensity", ("laserRetro", "laser_retro"))))
+    for link, value in frictions.items():
+        if value > MOST_FRICTION:
+            warnings.append(told("friction", "link '%s': friction" % link, "%g" % value))
+            frictions[link] = MOST_FRICTION
     return Description(
         urdf=ElementTree.tostring(robot, encoding="unicode"),
-        fixed=any(static) or links - set(children.values()) == {"world"},
+        fixed=fixed, bodies=tuple(bodies),
         control_namespace=control, cameras=cameras,
         collides=robot.find("link/collision") is not None,
         weightless=bool(heavy) and heavy <= off, lifted=frozenset() if heavy <= off else frozenset(off & heavy),
@@ -126,27 +158,19 @@ def is_true(words):
     return words.lower() in TRUE
 
 
-def numbers_of(entries, links):
-    """dict of link -> the first number >= 0 that is said of it."""
+def numbers_of(entries, links, fault, warnings):
+    """dict of link -> the first number >= 0 that is said of it. Args: fault: key of what else is said, for a warning.
+    """
     found = {}
     for link, words in entries:
         try:
             value = float(words)
         except ValueError:
-            continue
+            value = -1.0
         if link in links and value >= 0.0:
             found.setdefault(link, value)
-    return found
-
-
-def deep_cameras_of(robot, namespace, warnings):
-    """dict of camera -> CameraTopics, of the plugins of cameras that see depth. Their sensors become plain cameras."""
-    try:
-        found = read_kinects(robot, namespace)
-        for plugin in filter(is_realsense, robot.findall("gazebo/plugin")):
-            found.update(read_realsense(robot, plugin, warnings))
-    except ValueError as error:
-        raise ModelError("SpawnModel: plugin of a depth camera: %s" % error) from error
+        elif link in links:
+            warnings.append(told(fault, "link '%s'" % link, "'%s'" % words))
     return found
 
 
@@ -167,20 +191,27 @@ def free_followers(robot, warnings):
                             % joint.get("name"))
 
 
-def sensors_of(robot, namespace, warnings):
+def sensors_of(robot, namespace, model, warnings):
     """Devices of the <sensor> tags that are no cameras; these tags are taken out."""
     devices = []
     for gazebo in robot.findall("gazebo"):
         for sensor in [each for each in gazebo.findall("sensor") if "camera" not in each.get("type", "")]:
             gazebo.remove(sensor)
-            found = [read_device(robot, plugin, sensor, gazebo.get("reference", ""),
-                                 joined(text(plugin, "robotNamespace", namespace)), warnings)
-                     for plugin in sensor.findall("plugin")]
-            devices += [device for device in found if device is not None]
-            if sensor.find("plugin") is not None and not any(found):
-                warnings.append("sensor '%s' of type %s is not simulated: ignored" %
-                                (sensor.get("name"), sensor.get("type")))
+            for plugin in sensor.findall("plugin"):
+                told_before = len(warnings)
+                device = read_device(robot, plugin, sensor, gazebo.get("reference", ""),
+                                     namespace_of(plugin, namespace, model), warnings)
+                if device is not None:
+                    devices.append(device)
+                elif len(warnings) == told_before:
+                    warnings.append(not_simulated(sensor, plugin))
     return devices
+
+
+def not_simulated(sensor, plugin):
+    """The line about a plugin of a sensor that does nothing here."""
+    return "sensor '%s' of type %s: plugin %s is not simulated: ignored" % (
+        sensor.get("name"), sensor.get("type"), file_of(plugin) or "without a file")
 
 
 def drop_strangers(robot):
@@ -195,7 +226,7 @@ def drop_strangers(robot):
         warnings.append("<gazebo reference='%s'>: there is no such link or joint: ignored" % reference)
     joints = {joint.get("name") for joint in robot.findall("joint")}
     for transmission in robot.findall("transmission"):
-        strangers = [end.get("name") for end in transmission.findall("joint") if end.get("name") not in joints]
+        strangers = [end.get("name", "") for end in transmission.findall("joint") if end.get("name", "") not in joints]
         if strangers:
             robot.remove(transmission)
             warnings.append("<transmission name='%s'>: there is no joint '%s': ignored" %
@@ -203,21 +234,30 @@ def drop_strangers(robot):
     return warnings
 
 
-def cameras_of(robot, namespace, warnings):
+def cameras_of(robot, namespace, model, warnings):
     """dict of camera -> CameraTopics. Cameras without a plugin have no topics and are taken out."""
-    cameras = {}
+    done = []  # sensors that see depth
+    cameras = read_kinects(robot, namespace, model, done, warnings)
+    for plugin in filter(is_realsense, robot.findall("gazebo/plugin")):
+        cameras.update(read_realsense(robot, plugin, done, warnings))
     for gazebo in robot.findall("gazebo"):
         for sensor in list(gazebo.findall("sensor")):
-            if "camera" not in sensor.get("type", ""):
+            plugins = sensor.findall("plugin")
+            if "camera" not in sensor.get("type", "") or any(sensor is each for each in done):
                 continue
-            plugin = sensor.find("plugin")
-            if plugin is None or CAMERA not in plugin.get("filename", ""):
+            plugin = next((each for each in plugins if CAMERA in each.get("filename", "")), None)
+            if plugin is None or sensor.get("type") == "multicamera":
                 gazebo.remove(sensor)
-                warnings.append("camera '%s' has no plugin that publishes it: ignored" % sensor.get("name"))
+                warnings += [not_simulated(sensor, each) for each in plugins] or [
+                    "camera '%s' has no plugin that publishes it: ignored" % sensor.get("name")]
                 continue
-            name = text(plugin, "cameraName", sensor.get("name", "")).lstrip("/")
-            place = joined(text(plugin, "robotNamespace", namespace), name)
-            cameras[name] = CameraTopics(image=joined(place, text(plugin, "imageTopicName", "image_raw")),
-                                         info=joined(place, text(plugin, "cameraInfoTopicName", "camera_info")),
-                                         trigger=joined(place, text(plugin, "triggerTopicName", "image_trigger")))
+            for each in plugins:
+                if each is not plugin:
+                    sensor.remove(each)
+                    warnings.append(not_simulated(sensor, each))
+            place = place_of(plugin, namespace, model)
+            cameras[own_name(sensor, plugin, cameras, warnings)] = CameraTopics(
+                image=named(place, text(plugin, "imageTopicName", "image_raw")),
+                info=named(place, text(plugin, "cameraInfoTopicName", "camera_info")),
+                trigger=named(place, text(plugin, "triggerTopicName", "image_trigger")))
     return cameras

@@ -7,11 +7,12 @@ import numpy
 
 from aras_visual_servo_sim import ModelError
 
+from ..faults import told
 from ..sdf.document import pose_of
 
 TRUE = ("true", "1")  #: how a tag says yes, in lower case
 
-_READERS = {}
+_READERS, _OF_WORLD = {}, {}
 
 
 def reads(*files):
@@ -22,6 +23,30 @@ def reads(*files):
     return note
 
 
+def reads_of_world(*files):
+    """Decorator: this function reads plugins of a world of these file names: f(plugin) -> Device."""
+    def note(reader):
+        _OF_WORLD.update((file, reader) for file in files)
+        return reader
+    return note
+
+
+def file_of(plugin):
+    """Name of a plugin's file, without folders."""
+    return plugin.get("filename", "").rpartition("/")[2]
+
+
+def is_read(file):
+    """Whether a plugin of this file name is a device of a model or a world."""
+    return file in _READERS or file in _OF_WORLD
+
+
+def read_world_device(plugin):
+    """Returns what a plugin of a world does, a Device, or None: it is not simulated. Raises: ValueError."""
+    reader = _OF_WORLD.get(file_of(plugin))
+    return None if reader is None else reader(plugin)
+
+
 def read_device(robot, plugin, sensor, link, namespace, warnings):
     """
     Args:
@@ -30,13 +55,19 @@ def read_device(robot, plugin, sensor, link, namespace, warnings):
         warnings: gets a line when a device is not made.
     Returns: A device, or None: no plugin of this kind, or one that names joints or links that are not there.
     """
-    reader = _READERS.get(plugin.get("filename", "").rpartition("/")[2])
+    reader = _READERS.get(file_of(plugin))
     if reader is None:
         return None
-    try:
-        device = reader(plugin, sensor, link, namespace)
-    except ValueError as error:
-        raise ModelError("SpawnModel: plugin %s: %s" % (plugin.get("filename"), error)) from error
+    what, device = "plugin '%s' (%s)" % (plugin.get("name", ""), plugin.get("filename")), None
+    while device is None:
+        try:
+            device = reader(plugin, sensor, link, namespace)
+        except NoNumberError as error:
+            error.drop()
+            warnings.append(told("key", what, error))
+        except (ValueError, ModelError) as error:
+            warnings.append(told("plugin", what, error))
+            return None
     for tag, names in (("joint", device.joints()), ("link", device.links())):
         known = {each.get("name") for each in robot.findall(tag)}
         strangers = [name for name in names if name not in known]
@@ -52,6 +83,10 @@ class Device:
         return ()
 
     def links(self):
+        return ()
+
+    def motors(self):
+        """Names of the joints that it turns with motors of its torque_n_m."""
         return ()
 
 
@@ -78,6 +113,9 @@ class DiffDrive(Device):
 
     def joints(self):
         return self.left, self.right
+
+    def motors(self):
+        return self.joints()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -144,17 +182,54 @@ def joined(*parts):
     return "/" + "/".join(part.strip("/") for part in parts if part.strip("/"))
 
 
+#: Plugins that are in a namespace of their model's name where <robotNamespace> is missing, or is there and empty.
+#: The rest, as read in gazebo_plugins of gazebo_ros_pkgs, has none then: topics begin at the root.
+MODEL_WHERE_MISSING = ("libgazebo_ros_diff_drive.so", "libgazebo_ros_tricycle_drive.so",
+                       "libgazebo_ros_joint_state_publisher.so", "libgazebo_ros_imu_sensor.so")
+MODEL_WHERE_EMPTY = (*MODEL_WHERE_MISSING[:3], "libgazebo_ros_camera.so", "libgazebo_ros_triggered_camera.so",
+                     "libgazebo_ros_openni_kinect.so", "libgazebo_ros_depth_camera.so", "libgazebo_ros_multicamera.so",
+                     "libgazebo_ros_laser.so", "libgazebo_ros_gpu_laser.so", "libgazebo_ros_prosilica.so")
+
+
+def namespace_of(plugin, namespace, model):
+    """Full name of the namespace of a plugin's topics, "/" for none.
+
+    Args: namespace: that spawn_urdf_model and spawn_sdf_model give plugins without <robotNamespace>, "" for none.
+    """
+    file, said = file_of(plugin), plugin.find("robotNamespace")
+    if said is None:
+        return joined(namespace or (model if file in MODEL_WHERE_MISSING else ""))
+    return joined((said.text or "").strip() or (model if file in MODEL_WHERE_EMPTY else ""))
+
+
 def text(element, key, otherwise=""):
     child = None if element is None else element.find(key)
     return child.text.strip() if child is not None and child.text and child.text.strip() else otherwise
 
 
+class NoNumberError(ValueError):
+    """A tag whose text is no finite number."""
+
+    def __init__(self, element, key, found):
+        super().__init__("<%s> '%s', allowed is a finite number" % (key, found))
+        self._element, self._key = element, key
+
+    def drop(self):
+        """Takes the tag out, so that it gets its default."""
+        for child in self._element.findall(self._key):
+            self._element.remove(child)
+
+
 def number(element, key, otherwise):
+    """The number of a tag. Raises: NoNumberError."""
     found = text(element, key, str(otherwise))
     try:
-        return float(found.split()[0])
+        value = float(found.split()[0])
     except ValueError:
-        raise ValueError("<%s>: found %s, allowed is a number" % (key, found)) from None
+        value = math.nan
+    if not math.isfinite(value):
+        raise NoNumberError(element, key, found)
+    return value
 
 
 def flag(element, key, otherwise=False):
@@ -162,8 +237,8 @@ def flag(element, key, otherwise=False):
 
 
 def named(namespace, topic):
-    """Full name of a topic: those that begin with / stay."""
-    return topic if topic.startswith("/") else namespace.rstrip("/") + "/" + topic
+    """Full name of a topic as ros::NodeHandle(namespace) resolves it: one that begins with / stays."""
+    return joined(*(topic if topic.startswith("/") else namespace + "/" + topic).split("/"))
 
 
 @reads("libgazebo_ros_diff_drive.so")
@@ -247,8 +322,8 @@ def laser(plugin, sensor, link, namespace):
 
 
 def motorize(robot, drive):
-    """Gives the two wheels velocity motors of the drive's torque: a transmission and a limit in the URDF."""
-    for name in drive.joints():
+    """Gives the wheels velocity motors of the drive's torque: a transmission and a limit in the URDF."""
+    for name in drive.motors():
         for transmission in robot.findall("transmission"):
             if name in [end.get("name") for end in transmission.findall("joint")]:
                 robot.remove(transmission)

@@ -1,16 +1,18 @@
 """One model of the world: a robot, or any other thing that a URDF describes."""
+import dataclasses
 import xml.etree.ElementTree as ElementTree
 
 import numpy
 
 from aras_visual_servo_sim import ArasError, ModelError, Simulation, UnknownNameError
 
-from .description import read_description
-from .devices import DiffDrive
+from ..faults import told
+from .description import MOVING, read_description
 from .poses import IDENTITY, rotated, rpy_of
+from ..urdf.parts import without_refused
 from ..urdf.properties import named, properties_of
 from ..sdf.model import JOINT_FRAME
-from .settings import GROUND_FRICTION
+from .settings import GROUND_FRICTION, WorldSettings, world_of
 
 #: Ends what the simulator says of any model that has shapes to collide with: here they do.
 OF_COLLISIONS = "<collision> shapes count only for what sim/contacts names"
@@ -44,21 +46,61 @@ class Model:
         self.spawned = (name, xml, namespace, pose, X_MR, tuple(warnings))  #: how to spawn it again
         self._said, self.loaded = [], {}
         self._describe(xml, gravity_m_s2)
+        self._partial = False  #: the simulator refused parts of it, which are left out
         self.simulation = self._spawned(core, pose @ X_MR)
         said = (*warnings, *self.description.warnings, *self._said, *self.simulation.warnings)
         self.warnings = [each for each in dict.fromkeys(said) if not each.endswith(OF_COLLISIONS)]
-        for device in self.description.devices:
-            if isinstance(device, DiffDrive):
-                self._start_wheels(device)
+        self._start_drives()
         self._lift()
+
+    def _start_drives(self):
+        """Starts the motors of the wheels; a drive whose wheels do not turn is left out."""
+        for device in self.description.devices:
+            if not device.motors():
+                continue
+            try:
+                self._start_wheels(device)
+            except ArasError as error:
+                self.warnings.append(told("plugin", "drive of joints %s" % ", ".join(device.motors()), error))
+                self.description = dataclasses.replace(self.description, devices=tuple(
+                    each for each in self.description.devices if each is not device))
 
     def _describe(self, xml, gravity_m_s2):
         self.description = read_description(xml, self.namespace, self.name)
-        self._tree = ElementTree.fromstring(self.description.urdf)
+        self._take_tree(ElementTree.fromstring(self.description.urdf))
+        self._gravity = numpy.array((0.0, 0.0, 0.0) if self.description.weightless else gravity_m_s2)
+        self._lifts, self._thrusts, self._outside = {}, {}, ({}, {})
+
+    def thrust(self, link, wrench):
+        """Lets a plugin push a link from now on, besides all else, until it says otherwise. Args: wrench: (6,) [f; tau]
+        in world axes at its centre of mass [N; N m]. Raises: ArasError."""
+        self._thrusts[link] = numpy.asarray(wrench, float)
+        self.push(*self._outside)
+
+    def _take_tree(self, robot):
+        """Takes over what the simulator reads, an element."""
+        self._tree = robot
         self.links = [link.get("name") for link in self._tree.findall("link")
                       if link.get("name") != "world" and not link.get("name").endswith(JOINT_FRAME)]
-        self._gravity = numpy.array((0.0, 0.0, 0.0) if self.description.weightless else gravity_m_s2)
-        self._lifts = {}
+
+    @property
+    def bodies(self):
+        """The names of the links that Gazebo has, in its order."""
+        return [link for link in self.description.bodies if link in self.links]
+
+    def _leave_out_parts(self, ask, config):
+        """Leaves out of the description what the simulator refuses. Args: ask: of it, with this configuration."""
+        robot, warnings = without_refused(self._tree, ask)
+        self._partial = True
+        self._said += warnings
+        self._take_tree(robot)
+        moving = {joint.get("name") for joint in robot.findall("joint") if joint.get("type") in MOVING}
+        self.description = dataclasses.replace(
+            self.description, urdf=ElementTree.tostring(robot, encoding="unicode"),
+            collides=robot.find("link/collision") is not None,
+            joint_types={name: kind for name, kind in self.description.joint_types.items() if name in moving})
+        if not self.description.collides and config.get("base") == "driven":
+            config.pop("contacts", None)
 
     def _lift(self):
         """Lets what holds the links up that gravity does not act on act from now on."""
@@ -69,8 +111,12 @@ class Model:
 
     def push(self, links, joints):
         """Lets these forces from outside act from now on, dict of link -> (6,) and of joint -> effort."""
-        lifts = {link: numpy.asarray(lift) + links.get(link, 0.0) for link, lift in self._lifts.items()}
-        self.simulation.push({**links, **lifts}, joints)
+        self._outside = links, joints
+        total = {link: numpy.asarray(wrench, float) for link, wrench in links.items()}
+        for own in (self._lifts, self._thrusts):
+            for link, wrench in own.items():
+                total[link] = numpy.asarray(wrench) + total.get(link, 0.0)
+        self.simulation.push(total, joints)
 
     def renew(self, core, xml, gravity_m_s2):
         """Gives the model another document of the same links and joints, and gravity; its state stays.
@@ -80,6 +126,11 @@ class Model:
         before = dict(vars(self))
         try:
             self._describe(xml, gravity_m_s2)
+            mended = [each for each in self.description.warnings if each not in before["description"].warnings]
+            if mended:  # who spawns a model may be wrong, who changes a property may not
+                raise ModelError("; ".join(mended))
+            if self._partial:
+                self._leave_out_parts(asker(self._config(IDENTITY, 1e-9 * core.period_ns)), {})
             core.renew(self.name, self.description.urdf, self._gravity)
         except ArasError:
             vars(self).update(before)
@@ -87,25 +138,42 @@ class Model:
         self.spawned = (self.name, xml, *self.spawned[2:])
         self._lift()
 
-    def _spawned(self, core, pose):
+    def _config(self, pose, period_s):
+        """The simulator's configuration of the model. Args: pose: X_WR, (4, 4)."""
         base = "floating"
         if self.description.fixed:
             base = "fixed" if self.description.jointed else "driven"  # one without joints can be placed anew
         config = {"base": base, "idle_joints": "hold",
-                  "compatibility": "gazebo", "period_s": 1e-9 * core.period_ns, "command_timeout_s": 0.0,
+                  "compatibility": "gazebo", "period_s": period_s, "command_timeout_s": 0.0,
                   "gravity_m_s2": self._gravity.tolist(),
                   "base_pose": {"position_m": [float(each) for each in pose[:3, 3]],
                                 "rpy_rad": [float(each) for each in rpy_of(pose)]}}
-        if self.description.collides:
+        if base != "driven" or self.description.collides:  # without shapes too: others may be held to it
             config["contacts"] = {"friction": GROUND_FRICTION, "frictions": self.description.frictions,
                                   "neighbours": True}
+        return config
+
+    def _spawned(self, core, pose):
+        config = self._config(pose, 1e-9 * core.period_ns)
         try:
-            pairs = self_pairs(self._tree, self.description.self_collides)
-            if pairs and "contacts" in config:
-                config["contacts"]["pairs"] = self._apart(config, pairs)
-            return core.spawn(self.name, self.description.urdf, config)
+            return self._spawn(core, config)
         except ArasError as error:
-            raise ModelError("SpawnModel: model '%s' cannot be simulated: %s" % (self.name, error)) from error
+            self._leave_out_parts(asker(config), config)
+            if not self._said:
+                raise self._refused(error) from error
+        try:
+            return self._spawn(core, config)
+        except ArasError as error:
+            raise self._refused(error) from error
+
+    def _refused(self, error):
+        return ModelError("SpawnModel: model '%s' cannot be simulated: %s" % (self.name, error))
+
+    def _spawn(self, core, config):
+        pairs = self_pairs(self._tree, self.description.self_collides)
+        if pairs and "contacts" in config:
+            config["contacts"]["pairs"] = self._apart(config, pairs)
+        return core.spawn(self.name, self.description.urdf, config)
 
     def _apart(self, config, pairs):
         """The pairs of links that touch each other, without those that are in each other where the model begins."""
@@ -145,15 +213,15 @@ class Model:
     def _start_wheels(self, drive):
         """Lets motors turn the wheels of a drive from now on, with no speed at first."""
         names = []
-        for joint in drive.joints():
+        for joint in drive.motors():
             names.append(wheel_motor(joint))
             self.simulation.load_controller(names[-1], {"type": "velocity_controllers/JointVelocityController",
                                                         "joint": joint})
         self.simulation.switch_controllers(names, [], True)
 
     def turn_wheels(self, drive, speeds_rad_s):
-        """Speeds of the left and the right wheel from now on."""
-        for joint, speed in zip(drive.joints(), speeds_rad_s):
+        """Speeds of the wheels from now on, in the order of the drive's motors."""
+        for joint, speed in zip(drive.motors(), speeds_rad_s):
             self.simulation.set_controller_command(wheel_motor(joint), float(speed))
 
     # --- state
@@ -166,7 +234,7 @@ class Model:
     @property
     def root(self):
         """Name of the link whose pose is the model's."""
-        return self.links[0] if self.links else "world"
+        return next(iter(self.bodies), "world")
 
     def pose(self):
         """X_WM, (4, 4)."""
@@ -220,6 +288,26 @@ class Model:
         """[N s/m or N m s/rad]."""
         dynamics = self._tree.find("joint[@name='%s']/dynamics" % joint)
         return 0.0 if dynamics is None else float(dynamics.get("damping", 0.0))
+
+
+def asker(config):
+    """What parts.Ask is; the simulator is asked in a world of its own. Args: config: of the whole model."""
+    contacts = {key: value for key, value in config.get("contacts", {}).items() if key == "friction"}
+
+    def ask(robot, whole):
+        links = {link.get("name") for link in robot.findall("link")}
+        children = {joint.find("child").get("link") for joint in robot.findall("joint")}
+        own = {**config, "base": config["base"] if whole else "fixed" if links - children == {"world"} else "floating"}
+        own.pop("contacts", None)
+        if robot.find("link/collision") is not None:
+            own["contacts"] = {**contacts, "neighbours": True}
+        try:
+            world_of(WorldSettings(period_s=config["period_s"])).spawn(
+                "part", ElementTree.tostring(robot, encoding="unicode"), own)
+        except ArasError as error:
+            return str(error)
+        return ""
+    return ask
 
 
 def self_pairs(robot, links):

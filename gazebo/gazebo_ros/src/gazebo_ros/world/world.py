@@ -1,4 +1,5 @@
 """The world and its models."""
+import contextlib
 import dataclasses
 import xml.etree.ElementTree as ElementTree
 
@@ -21,6 +22,21 @@ from .settings import GROUND_FRICTION, GROUND_PLANE, WorldSettings, light_of, wo
 WORLD_FRAMES = ("", "world", "map")
 
 
+@dataclasses.dataclass(frozen=True)
+class Touch:
+    """A point of contact of a link, in the world.
+
+    Attributes:
+        other: MODEL::LINK that it touches, or ground_plane.  point (3,) [m].  normal: (3,) from the other to the link.
+        depth_m: how far they are in each other.  force: (3,) on the link [N].
+    """
+    other: str
+    point: numpy.ndarray
+    normal: numpy.ndarray
+    depth_m: float
+    force: numpy.ndarray
+
+
 class World:
     """Models under one clock of integer nanoseconds. Not thread-safe.
 
@@ -37,6 +53,7 @@ class World:
         self.core, self.models = world_of(self.settings), {}
         self.pushes = Pushes(self.models)
         self._folders = folders
+        self.before_ground = set()  #: names of the models that were there before the ground plane
         self.epoch_ns = 0  #: time of tick 0: when the period became what it is, int [ns]
 
     @property
@@ -99,13 +116,23 @@ class World:
     def _change_period(self, period_s):
         self.epoch_ns = self.time_ns
         self.settings = dataclasses.replace(self.settings, period_s=period_s)
-        lights, self.core = self.lights, world_of(self.settings)
+        lights, welds, self.core = self.lights, self.core.welds, world_of(self.settings)
         self._restore_lights(lights)
         for model in self.models.values():
             model.begin_anew(self.core, self.settings.gravity_m_s2)
+        for one, other in welds:
+            self.core.weld(one, other)
         self.pushes.act(self.time_ns)
 
     # --- models
+
+    @property
+    def names(self):
+        """Of the models and the ground plane, in the order in which they came into the world, as Gazebo counts them
+        (World::ModelByIndex)."""
+        before = [name for name in self.models if name in self.before_ground]
+        after = [name for name in self.models if name not in self.before_ground]
+        return before + [GROUND] * self.settings.ground + after
 
     def spawn(self, name, xml, namespace="", pose=IDENTITY, frame=""):
         """Adds a model.
@@ -145,6 +172,7 @@ class World:
         if name == GROUND and planes == [0.0]:  # it was deleted before
             self.core.spawn_model(GROUND_PLANE)
             self._change_ground(ground=True)
+            self.before_ground = set(self.models)
             return None
         return self.place_sdf(name, model, X_WF @ pose @ model.pose, namespace, transmissions, warnings)
 
@@ -178,7 +206,15 @@ class World:
                              "model name?") from error
 
     def _add(self, name, xml, namespace, X_WM, X_MR=IDENTITY, warnings=()):
-        model = Model(self.core, name, xml, namespace, X_WM, self.settings.gravity_m_s2, X_MR, warnings)
+        try:
+            model = Model(self.core, name, xml, namespace, X_WM, self.settings.gravity_m_s2, X_MR, warnings)
+        except Exception as error:
+            with contextlib.suppress(ArasError):
+                self.core.delete(name)
+            if isinstance(error, ArasError):
+                raise
+            raise ModelError("SpawnModel: Failure - model '%s': found something that nobody expected: %s: %s" %
+                             (name, type(error).__name__, error)) from error
         self.models[name] = model
         return model
 
@@ -187,6 +223,7 @@ class World:
         self.model(name)
         self.core.delete(name)
         del self.models[name]
+        self.before_ground.discard(name)
         self.pushes.forget(name)
 
     def model(self, name):
@@ -224,6 +261,37 @@ class World:
             if joint in model.simulation.joint_names:
                 return model
         raise UnknownNameError("joint '%s' does not exist" % joint)
+
+    # --- what touches and what is held
+
+    def touches(self, model, link):
+        """Returns list of Touch: where a link of a model touched something in the last step. Raises: UnknownNameError.
+        """
+        found = []
+        for each in self.model(model).simulation.contacts:
+            for own, other, sign in ((each["a"], each["b"], 1.0), (each["b"], each["a"], -1.0)):
+                if own != link:
+                    continue
+                scoped = other if "::" in other or other not in self.models[model].links else model + "::" + other
+                found.append(Touch(scoped, numpy.asarray(each["point_m"]), sign * numpy.asarray(each["normal"]),
+                                   each["depth_m"], sign * numpy.asarray(each["force_n"])))
+        return found
+
+    def attach(self, one, other):
+        """Holds a link to another where it is now, until detach() or a reset. Args: scoped names of links of two
+        models. Raises: ArasError: no such links, of one model, or they are attached already."""
+        self.core.weld(*self._scoped_names(one, other))
+
+    def detach(self, one, other):
+        """Lets two links go. Raises: UnknownNameError: they are not attached."""
+        self.core.unweld(*self._scoped_names(one, other))
+
+    def is_attached(self, one, other):
+        """Whether these two links are held to each other."""
+        return {(one, other), (other, one)} & set(self.core.welds) != set()
+
+    def _scoped_names(self, *names):
+        return ["%s::%s" % (model.name, link) for model, link in map(self.scoped, names)]
 
     # --- lights
 

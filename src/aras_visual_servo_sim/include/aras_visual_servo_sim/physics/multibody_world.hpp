@@ -33,7 +33,8 @@ struct JointCommand {
 
 /** Force at a point of contact. */
 struct ContactForce {
-  std::string a, b;          ///< links, solids, or `ground_plane`
+  /** Links, solids, `ground_plane`, or links of other robots as ROBOT::LINK. */
+  std::string a, b;
   Eigen::Vector3d point_W;   ///< [m]
   Eigen::Vector3d normal_W;  ///< from b to a
   double depth_m = 0.0;
@@ -73,6 +74,9 @@ class MultibodyWorld {
 
   /** As reset(q) for velocities, positions untouched; for experiments and tests. Mimic joints' entries follow. */
   void setJointVelocities(const Eigen::VectorXd& v);
+
+  /** Whether other robots can be welded to this one, see Weld: its base is driven, or its contacts have neighbours. */
+  bool takesWelds() const { return drivenBase() || contacts_; }
 
   /** The points of contact of the last step, with their forces. */
   std::vector<ContactForce> contacts() const;
@@ -238,6 +242,8 @@ class MultibodyWorld {
   JointDrive& driveOfJoint(const std::string& name);
   const JointDrive& driveOf(int joint) const;
   const JointDrive& driveOf(const std::string& controller) const;
+
+  Controller* findRunning(const std::string& name) const;
 
   // --- world_controllers.cpp
   void idle(JointDrive& drive, double q);

@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
@@ -16,6 +17,7 @@
 #include "aras_visual_servo_sim/config/types.hpp"
 #include "aras_visual_servo_sim/image/image.hpp"
 #include "aras_visual_servo_sim/physics/ray_caster.hpp"
+#include "aras_visual_servo_sim/physics/touching_robots.hpp"
 #include "aras_visual_servo_sim/render/coverage_renderer.hpp"
 #include "aras_visual_servo_sim/simulation/cameras/cameras.hpp"
 #include "aras_visual_servo_sim/simulation/cameras/frame_drawer.hpp"
@@ -85,6 +87,14 @@ class World {
   Robot& robot(const std::string& name);
   /** The links of all robots, ROBOT::LINK. */
   std::vector<std::string> linkNames() const;
+  /** Holds link b to link a where it is now, as if they were one body, until unweld, a reset or the end of a robot.
+   *  @param a, b  links of two robots, as the world names them; at least one of them can move
+   *  @throws UnknownNameError, ParameterError: of one robot, welded already, or a robot without neighbours */
+  void weld(const std::string& a, const std::string& b);
+  /** @throws UnknownNameError: these links, in either order, are not welded */
+  void unweld(const std::string& a, const std::string& b);
+  /** The links that are welded, in the order in which they were. */
+  std::vector<std::pair<std::string, std::string>> welds() const;
   /** Sets the plane that robots with `neighbours` touch and rays meet; nothing: there is none. */
   void setGround(const std::optional<GroundPlane>& ground);
 
@@ -215,6 +225,16 @@ class World {
   void moveModels();
   void change(ModelSet next);
   void tellUndrawn();
+  /** Two links as the world names them, and link b in link a. */
+  struct Welded {
+    std::string a, b;
+    Pose X_AB;
+  };
+  using WeldedLinks = std::vector<Welded>;
+  WeldedLinks::iterator findWeld(const std::string& a, const std::string& b);
+  std::vector<Weld> weldsByIndex() const;
+  /** @throws UnknownNameError, ParameterError unless these links can be welded */
+  void checkWeld(const std::string& a, const std::string& b) const;
   struct Record;
   void visit(StateArchive& archive, Record& record, ModelSet& models) const;
   void restoreRobots(const Record& record, const ModelSet& models);
@@ -241,7 +261,8 @@ class World {
       }};
   std::shared_ptr<Robot> keeper_;  // whose contacts have the solids; null: there is none
   int next_number_ = 1;            // 0 is that of the robot without a name
-  std::int64_t ticks_ = 0;         // while there are no robots
+  WeldedLinks welds_;
+  std::int64_t ticks_ = 0;  // while there are no robots
   Cameras cameras_;
   FrameDrawer drawer_;
   RunHash run_hash_;

@@ -52,7 +52,9 @@ class TagReader {
     camera_.noise_stddev = kGreyLevels * tag_.noise_stddev;
     camera_.baseline_m = tag_.baseline;
     camera_.triggered = tag_.triggered;
-    if (as_gazebo) {
+    // The f and D that Gazebo gives a fisheye describe no lens at all.
+    const bool told_as_gazebo = as_gazebo && !tag_.fisheye;
+    if (told_as_gazebo) {
       readAsGazebo();
     } else {
       readFocalLength();
@@ -61,7 +63,7 @@ class TagReader {
       readLens();
     }
     readPlace();
-    if (as_gazebo) warnOfFold();
+    if (told_as_gazebo) warnOfFold();
     return camera_;
   }
 
@@ -153,7 +155,9 @@ class TagReader {
       if (tag_.cutoff_angle_rad > EquidistantLens::kWidest) {
         warn("<cutoff_angle> " + std::to_string(tag_.cutoff_angle_rad) + " rad: nothing beyond 2.18 rad is drawn");
       }
-      if (bends(drawn) || bends(told)) {
+      const bool polynomial = drawn.size() == 4;  // of the lens; a <distortion> has five
+      if (polynomial) camera_.distortion = drawn;
+      if ((bends(drawn) && !polynomial) || bends(told)) {
         warn("<distortion> and distortionK1 ... are ignored: image and camera_info have the equidistant lens");
       }
       return;

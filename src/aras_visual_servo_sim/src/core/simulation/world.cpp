@@ -5,7 +5,6 @@
 
 #include "aras_visual_servo_sim/camera/camera_tags.hpp"
 #include "aras_visual_servo_sim/config/section.hpp"
-#include "aras_visual_servo_sim/physics/touching_robots.hpp"
 #include "aras_visual_servo_sim/robot/joint_limits_reader.hpp"
 
 namespace aras_visual_servo_sim {
@@ -137,6 +136,11 @@ void World::remove(const std::string& name) {
   ticks_ = ticks();
   robots_.erase(found);
   gone->placed_ = [] {};
+  const std::string prefix = scoped(name, "");
+  const auto of = [&](const std::string& link) { return link.compare(0, prefix.size(), prefix) == 0; };
+  welds_.erase(
+      std::remove_if(welds_.begin(), welds_.end(), [&](const Welded& each) { return of(each.a) || of(each.b); }),
+      welds_.end());
   models_.removeRobot(gone->number(), gone->scopedLinks());
   cameras_.loseFrames();
   cameras_.forgetPast();
@@ -186,6 +190,56 @@ std::vector<std::string> World::linkNames() const {
   return names;
 }
 
+void World::checkWeld(const std::string& a, const std::string& b) const {
+  const Robot* one = findLink(robots_, a).first;
+  const Robot* other = findLink(robots_, b).first;
+  const std::string what = "weld of " + a + " and " + b + ": found ";
+  if (one == other) throw ParameterError(what + "links of one robot, allowed are links of two");
+  for (const Robot* robot : {one, other}) {
+    if (robot->body().takesWelds()) continue;
+    throw ParameterError(what + "robot '" + robot->name() +
+                         "' without contacts.neighbours, allowed are robots with it");
+  }
+}
+
+World::WeldedLinks::iterator World::findWeld(const std::string& a, const std::string& b) {
+  return std::find_if(welds_.begin(), welds_.end(),
+                      [&](const Welded& each) { return (each.a == a && each.b == b) || (each.a == b && each.b == a); });
+}
+
+void World::weld(const std::string& a, const std::string& b) {
+  checkWeld(a, b);
+  if (findWeld(a, b) != welds_.end()) throw ParameterError("weld of " + a + " and " + b + ": they are welded already");
+  welds_.push_back({a, b, link_poses_.of_name(a).inverse() * link_poses_.of_name(b)});
+}
+
+void World::unweld(const std::string& a, const std::string& b) {
+  const auto found = findWeld(a, b);
+  if (found == welds_.end()) throw UnknownNameError("weld of " + a + " and " + b + " does not exist");
+  welds_.erase(found);
+}
+
+std::vector<std::pair<std::string, std::string>> World::welds() const {
+  std::vector<std::pair<std::string, std::string>> links;
+  for (const Welded& each : welds_) links.emplace_back(each.a, each.b);
+  return links;
+}
+
+/** As the robots' bodies have them. */
+std::vector<Weld> World::weldsByIndex() const {
+  std::vector<Weld> welds;
+  const auto indexOf = [this](const Robot* robot) {
+    const auto same = [robot](const auto& each) { return each.get() == robot; };
+    return static_cast<std::size_t>(std::find_if(robots_.begin(), robots_.end(), same) - robots_.begin());
+  };
+  for (const Welded& each : welds_) {
+    const auto [robot_a, link_a] = findLink(robots_, each.a);
+    const auto [robot_b, link_b] = findLink(robots_, each.b);
+    welds.push_back({indexOf(robot_a), indexOf(robot_b), link_a, link_b, each.X_AB});
+  }
+  return welds;
+}
+
 void World::setGround(const std::optional<GroundPlane>& ground) {
   config_.world.contacts.ground = ground;
   rays_ = {};
@@ -223,7 +277,9 @@ void World::advance(std::int64_t periods) {
   if (robots_.empty() || (robots_.size() == 1 && !touched)) return;
   std::vector<MultibodyWorld*> bodies;
   for (const auto& robot : robots_) bodies.push_back(robot->body_.get());
-  TouchingRobots group(bodies);
+  std::vector<std::string> names;
+  for (const auto& robot : robots_) names.push_back(robot->name());
+  TouchingRobots group(bodies, names, weldsByIndex());
   for (std::int64_t k = 0; k < periods; ++k) {
     if (touched) keeper_->contacts_.beforePeriod(periodNs(), models_, *keeper_->body_);
     bodies.size() == 1 ? bodies.front()->step() : group.step();
@@ -450,6 +506,7 @@ void World::startModels() {
 }
 
 void World::resetWorld() {
+  welds_.clear();
   for (const auto& robot : robots_) {
     robot->putBack();
     robot->commands_.drop();

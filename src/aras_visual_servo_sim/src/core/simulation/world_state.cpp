@@ -41,6 +41,7 @@ struct World::Record {
   std::vector<OfRobot> robots;
   std::vector<Camera::State> cameras;
   std::map<std::string, MotionRun> motions;
+  WeldedLinks welds;
 };
 
 /** Writes or reads a state of this world. */
@@ -82,10 +83,20 @@ void World::visit(StateArchive& archive, Record& record, ModelSet& models) const
   for (std::size_t k = 0; k < robots_.size(); ++k) {
     if (robots_[k]->commands().delays()) archive(record.robots[k].held);
   }
+  if (archive.reads() ? archive.left() == 0 : record.welds.empty()) return;  // states without welds end here
+  archive.all(record.welds, [&](Welded& each) {
+    archive(each.a, each.b, each.X_AB);
+    if (!archive.reads()) return;
+    try {
+      checkWeld(each.a, each.b);
+    } catch (const ArasError& error) {
+      throw StateError(std::string("saved state: ") + error.what());
+    }
+  });
 }
 
 std::string World::saveState() const {
-  Record record{ticks(), run_hash_.state(), {}, {}, models_.motions()};
+  Record record{ticks(), run_hash_.state(), {}, {}, models_.motions(), welds_};
   for (const auto& robot : robots_) {
     const Commands& commands = robot->commands();
     record.robots.push_back({robot->body().saveState(), commands.lastRefusal(), commands.refused(), commands.held()});
@@ -145,6 +156,7 @@ void World::restoreState(const std::string& state) {
     robots_[k]->commands_.restoreHeld(std::move(record.robots[k].held));
   }
   for (std::size_t k = 0; k < cameras_.size(); ++k) cameras_[static_cast<int>(k)].restore(std::move(record.cameras[k]));
+  welds_ = std::move(record.welds);
   models_.become(std::move(models), std::move(record.motions));
   models_.carry(link_poses_);
   rays_ = {};

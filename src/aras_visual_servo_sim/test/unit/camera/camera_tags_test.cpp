@@ -112,6 +112,18 @@ TEST(CameraTags, AWideAngleCameraIsTheEquidistantLens) {
   EXPECT_NE(farther.warnings.find("c1"), std::string::npos) << farther.warnings;
 }
 
+TEST(CameraTags, AWideAngleCameraMayHaveAPolynomial) {
+  const std::string lens = "<type>equidistant</type><polynomial>0.1 0.02 -0.003 0.0004</polynomial>";
+  const Reading reading = read(wideAngle(lens));
+  EXPECT_EQ(reading.warnings, "");
+  EXPECT_EQ(reading.camera.distortion, (std::vector<double>{0.1, 0.02, -0.003, 0.0004}));
+  EXPECT_EQ(reading.camera.distortion_model, "equidistant");
+  for (const char* wrong : {"1 2 3", "1 2 3 4 5", "1 2 3 four", ""}) {
+    const std::string tag = "<type>equidistant</type><polynomial>" + std::string(wrong) + "</polynomial>";
+    EXPECT_THROW(loadRobotModel(wideAngle(tag), "test.urdf"), ModelError) << wrong;
+  }
+}
+
 TEST(CameraTags, AWideAngleCameraOfAnotherLensIsNamedInAWarning) {
   RobotModel model = loadRobotModel(wideAngle("<type>stereographic</type>"), "test.urdf");
   EXPECT_TRUE(model.cameras.empty());

@@ -237,5 +237,40 @@ TEST(World, RefusesWhatCannotBeAndChangesNothing) {
   EXPECT_EQ(world.scene().bodies.size(), 1u);
 }
 
+TEST(World, WeldsLastUntilTheyAreEndedAndAreInSavedStates) {
+  World world(configOf(""));
+  const auto post = spawnBox(world, "post", 0.0, 2.0, "base: driven");
+  const auto box = spawnBox(world, "box", 0.5, 2.0);
+  world.weld("post::body", "box::body");
+  const std::string state = world.saveState();
+  world.step(200);
+  EXPECT_NEAR(heightOf(*box), 2.0, 1e-4);
+  EXPECT_THROW(world.weld("box::body", "post::body"), ParameterError) << "they are welded already";
+  EXPECT_THROW(world.weld("box::body", "box::body"), ParameterError) << "of one robot";
+  EXPECT_THROW(world.weld("box::body", "post::nothing"), UnknownNameError);
+  world.unweld("box::body", "post::body");
+  EXPECT_THROW(world.unweld("box::body", "post::body"), UnknownNameError);
+  world.step(200);
+  EXPECT_LT(heightOf(*box), 1.9);
+  const std::string free = world.saveState();
+  world.restoreState(state);
+  EXPECT_EQ(world.welds().size(), 1u);
+  world.step(200);
+  EXPECT_NEAR(heightOf(*box), 2.0, 1e-4);
+  world.restoreState(free);
+  EXPECT_TRUE(world.welds().empty());
+  world.weld("post::body", "box::body");
+  world.remove("post");
+  EXPECT_TRUE(world.welds().empty());
+  EXPECT_THROW(world.restoreState(state), StateError);
+}
+
+TEST(World, RobotsWithoutNeighboursAreNotWelded) {
+  World world(configOf(""));
+  spawnBox(world, "box", 0.0, 2.0);
+  spawnBox(world, "alone", 0.5, 2.0, "base: floating");
+  EXPECT_THROW(world.weld("box::body", "alone::body"), ParameterError);
+}
+
 }  // namespace
 }  // namespace aras_visual_servo_sim

@@ -1,5 +1,5 @@
 """Topics of what plugins do. Importing this makes all kinds known."""
-from . import diff_drive, sensors
+from . import bodies, commanded, diff_drive, grippers, rotors, sensors
 from .outlet import outlet_of
 
-__all__ = ["diff_drive", "outlet_of", "sensors"]
+__all__ = ["bodies", "commanded", "diff_drive", "grippers", "outlet_of", "rotors", "sensors"]

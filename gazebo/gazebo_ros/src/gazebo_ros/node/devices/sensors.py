@@ -1,6 +1,5 @@
 """Sensors that publish one topic: inertial measurement units, force-torque sensors of joints, lasers."""
 import numpy
-import rospy
 from geometry_msgs.msg import Vector3, WrenchStamped
 from sensor_msgs.msg import Imu as ImuMessage
 from sensor_msgs.msg import LaserScan
@@ -46,7 +45,7 @@ class ImuOutlet(SensorOutlet):
     def open(self):
         super().open()
         if self.device.service:
-            self.ends_with(rospy.Service(self.device.service, Empty, lambda _: EmptyResponse()).shutdown)
+            self.serve(self.device.service, Empty, lambda _: EmptyResponse())
 
     def measured(self, now_ns):
         pose = self.model.link_pose(self.device.link)

@@ -84,7 +84,7 @@ class WorldServices(Services):
 
     def _model(self, request):
         model = found(self.world.model, request.model_name, "GetModelProperties: model does not exist")
-        return {"canonical_body_name": model.root, "body_names": model.links,
+        return {"canonical_body_name": model.root, "body_names": model.bodies,
                 "joint_names": model.simulation.joint_names, "is_static": model.description.fixed}
 
     # --- lights

@@ -4,6 +4,7 @@
 
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -50,6 +51,14 @@ class Controller {
   virtual bool acts() const { return false; }
   /** @param time_s  of the period's beginning  @param targets  to be filled, one for each drive */
   virtual void update(double, double, const std::vector<JointNow>&, std::vector<JointTarget>&) {}
+
+  // --- of one joint, for controllers that act in place of their drive
+  /** Takes a command [m or rad]. @return false: the drive takes it @throws NotFiniteError */
+  virtual bool takeCommand(double) { return false; }
+  /** Changes the gains, the integral stays. @return false: the drive has them @throws ParameterError */
+  virtual bool takeGains(const PidGains&) { return false; }
+  /** Nothing: the drive says it. */
+  virtual std::optional<ControllerState> pidState() const { return std::nullopt; }
 
   /** Writes or reads everything on which its future depends besides the drives. */
   virtual void visit(Archive&) {}

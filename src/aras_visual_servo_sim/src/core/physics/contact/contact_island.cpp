@@ -31,6 +31,8 @@ void ContactIsland::resize(int points) {
   wanted.resize(points);
   compliance.resize(points);
   friction.resize(points);
+  bonded.assign(points, 0);
+  bond_wanted.assign(points, Vector3d::Zero());
 }
 
 bool ContactIsland::solve(long most_sweeps) {
@@ -100,6 +102,10 @@ double ContactIsland::pushNormal(int point, double speed) {
   const int row = 3 * point;
   const double before = lambda[row];
   const double pull = (speed + compliance[point] * before - wanted[point]) / (D(row, row) + compliance[point]);
+  if (bonded[point]) {
+    lambda[row] = before - pull;
+    return -pull;
+  }
   lambda[row] = std::max(0.0, before - pull);
   return lambda[row] - before;
 }
@@ -107,6 +113,12 @@ double ContactIsland::pushNormal(int point, double speed) {
 /** Change of the tangential impulse of a point: towards no slip, within the cone. */
 Vector2d ContactIsland::pushTangent(int point, const Vector2d& slip) {
   const int row = 3 * point + 1;
+  if (bonded[point]) {
+    const Vector2d error = slip + compliance[point] * lambda.segment<2>(row) - bond_wanted[point].tail<2>();
+    const Vector2d change = -error / (stiffest(row) + compliance[point]);
+    lambda.segment<2>(row) += change;
+    return change;
+  }
   const double radius = friction[point] * lambda[row - 1];
   const Vector2d before = lambda.segment<2>(row);
   Vector2d after = before;
@@ -124,6 +136,12 @@ double ContactIsland::stiffest(int row) const {
   return half_trace + std::hypot(half_gap, D(row, row + 1));
 }
 
+/** What is missing in the equations of a bonded point. */
+Vector3d ContactIsland::bondError(int point) const {
+  const int row = 3 * point;
+  return bond_wanted[point] - u.segment<3>(row) - compliance[point] * lambda.segment<3>(row);
+}
+
 /** Solves the equations of the branches the sweep left the points on, or as if all points touched and held. */
 void ContactIsland::newtonStep(bool all_hold) {
   if (many_) return newtonStepMany(all_hold);
@@ -131,7 +149,10 @@ void ContactIsland::newtonStep(bool all_hold) {
   b_ = -u;
   for (int point = 0; point < points(); ++point) {
     const int row = 3 * point;
-    if (all_hold || lambda[row] > 0.0) {
+    if (bonded[point]) {
+      A_.block<3, 3>(row, row) += compliance[point] * Matrix3d::Identity();
+      b_.segment<3>(row) = bondError(point);
+    } else if (all_hold || lambda[row] > 0.0) {
       A_(row, row) += compliance[point];
       b_[row] += wanted[point] - compliance[point] * lambda[row];
       linearizeTangent(point, all_hold);
@@ -245,6 +266,12 @@ void ContactIsland::newtonStepMany(bool all_hold) {
 ContactIsland::Branch ContactIsland::branchOf(int point, bool all_hold) const {
   const int row = 3 * point;
   Branch branch;
+  if (bonded[point]) {
+    branch.B *= compliance[point];
+    branch.C.setIdentity();
+    branch.b = bondError(point);
+    return branch;
+  }
   if (!all_hold && !(lambda[row] > 0.0)) {  // apart: nothing acts
     branch.b = -lambda.segment<3>(row);
     return branch;

@@ -27,6 +27,9 @@ class ContactIsland {
   Eigen::MatrixXd D;
   Eigen::VectorXd u, lambda;                         ///< u: at these impulses
   std::vector<double> wanted, compliance, friction;  ///< of each point
+  /** A bonded point has no cone: in each row u + compliance lambda = wanted, that of the normal included. */
+  std::vector<char> bonded;
+  std::vector<Eigen::Vector3d> bond_wanted;
 
   void resize(int points);
   int points() const { return static_cast<int>(wanted.size()); }
@@ -47,6 +50,7 @@ class ContactIsland {
   double pushNormal(int point, double speed);
   Eigen::Vector2d pushTangent(int point, const Eigen::Vector2d& slip);
   double stiffest(int row) const;
+  Eigen::Vector3d bondError(int point) const;
   void newtonStep(bool all_hold);
   void linearizeTangent(int point, bool hold);
   void addAnswer(const Eigen::VectorXd& step);

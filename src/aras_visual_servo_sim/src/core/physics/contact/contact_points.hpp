@@ -11,6 +11,8 @@ struct ContactPoint {
   Eigen::Vector3d point, normal;  ///< in the world; the normal points from b to a
   double depth_m = 0.0;           ///< > 0
   double friction = 0.0;
+  bool bonded = false;                            ///< held together here in all directions, see Weld; no contact
+  Eigen::Vector3d gap = Eigen::Vector3d::Zero();  ///< of a bonded one, in the world: from the point on a to that on b
 
   static constexpr int kGround = -1;     ///< the plane
   static constexpr int kElsewhere = -2;  ///< a body of another robot, see TouchingRobots

@@ -11,6 +11,9 @@ constexpr int kMaxRounds = 40;
 constexpr long kMostWork = 400000;
 constexpr long kSweepWork = 20;
 constexpr long kFewestSweeps = 8;
+// Of a bond: the part of its gap that a step closes, and how far it gives way, of how its bodies do.
+constexpr double kClosed = 0.2;
+constexpr double kBondCompliance = 1e-6;
 
 }  // namespace
 
@@ -115,6 +118,12 @@ void ContactSolver::solveIsland(const ContactRows& rows, const Eigen::VectorXd& 
     island_.wanted[i] = stiffness_ * rows.depth_m[members_[i]] / rate;
     island_.compliance[i] = 1.0 / (dt_s * rate);
     island_.friction[i] = rows.friction[members_[i]];
+    if (const auto bond = rows.bonds.find(members_[i]); bond != rows.bonds.end()) {
+      island_.bonded[i] = 1;
+      island_.bond_wanted[i] = kClosed / dt_s * bond->second;
+      island_.wanted[i] = island_.bond_wanted[i][0];
+      island_.compliance[i] = kBondCompliance * D_.block<3, 3>(from, from).trace() + kImmovable;
+    }
   }
   const long before = island_.sweeps(), affordable = work_left_ / (kSweepWork * count);
   if (!island_.solve(std::clamp(affordable, kFewestSweeps, ContactIsland::kMostSweeps))) settled_ = false;

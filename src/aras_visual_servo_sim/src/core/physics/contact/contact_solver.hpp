@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
+#include <map>
 #include <vector>
 
 #include "contact_island.hpp"
@@ -18,6 +19,7 @@ struct ContactRows {
   Eigen::MatrixXd J, S;
   Eigen::VectorXd u0;
   std::vector<double> depth_m, friction;
+  std::map<int, Eigen::Vector3d> bonds;  ///< of the points that are bonded, by index: their gap along the rows [m]
 
   int points() const { return static_cast<int>(depth_m.size()); }
 };

@@ -171,6 +171,7 @@ void WorldContacts::find(const ArticulatedBody& body) {
   }
   for (std::size_t k = 0; k < X_WO_.size(); ++k) shapes_.place(links + static_cast<int>(k), obstaclePose(k));
   points_ = shapes_.find();
+  others_.clear();
 }
 
 void WorldContacts::arrange(const ArticulatedBody& body, const JointCoupling& coupling, const Eigen::VectorXd& v_free) {
@@ -186,12 +187,14 @@ void WorldContacts::layOut(const ArticulatedBody& body, const JointCoupling& cou
   J_base_.setZero(rows, 6);
   rows_.depth_m.clear();
   rows_.friction.clear();
+  rows_.bonds.clear();
   axes_.clear();
   sides_.assign(2 * points_.size(), Side{});
   for (std::size_t k = 0; k < points_.size(); ++k) {
     rows_.depth_m.push_back(points_[k].depth_m);
     rows_.friction.push_back(points_[k].friction);
     axes_.push_back(axesAlong(points_[k].normal));
+    if (points_[k].bonded) rows_.bonds[static_cast<int>(k)] = axes_.back() * points_[k].gap;
     addSide(k, points_[k].a, 1.0, body, coupling);
     addSide(k, points_[k].b, -1.0, body, coupling);
   }

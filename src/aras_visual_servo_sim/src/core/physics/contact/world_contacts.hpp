@@ -40,6 +40,13 @@ class WorldContacts {
   double frictionBeyond(int id) const { return std::min(config_.friction, frictionOf(id)); }
   /** These points in the place of those that were found; the robots they are of have the same in the same order. */
   void share(std::vector<ContactPoint> points) { points_ = std::move(points); }
+  /** Names of the bodies of other robots at the points of share(), "" elsewhere. */
+  void nameOthers(std::vector<std::string> names) { others_ = std::move(names); }
+  /** Name of one of the two bodies at a point. */
+  std::string nameAt(std::size_t point, int id) const {
+    return id == ContactPoint::kElsewhere && point < others_.size() && !others_[point].empty() ? others_[point]
+                                                                                               : nameOf(id);
+  }
   const ContactRows& rows() const { return rows_; }
   /** The impulses at these points, as they were found for all robots. */
   void take(const Eigen::VectorXd& lambda) { lambda_ = lambda; }
@@ -95,6 +102,7 @@ class WorldContacts {
   std::vector<FreeBody> free_;
   std::vector<int> shared_;
   std::vector<ContactPoint> points_;
+  std::vector<std::string> others_;
   std::vector<Eigen::Matrix3d> axes_;  // rows: normal and tangents of each point
   ContactRows rows_;
   Eigen::Matrix<double, Eigen::Dynamic, 6> J_base_;

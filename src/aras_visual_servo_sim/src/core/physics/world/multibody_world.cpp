@@ -357,9 +357,9 @@ std::vector<ContactForce> MultibodyWorld::contacts() const {
   if (!contacts_) return forces;
   const auto& points = contacts_->points();
   for (std::size_t k = 0; k < points.size(); ++k) {
-    if (std::max(points[k].a, points[k].b) < 0) continue;  // between others
-    forces.push_back({contacts_->nameOf(points[k].a), contacts_->nameOf(points[k].b), points[k].point, points[k].normal,
-                      points[k].depth_m, contacts_->force(k)});
+    if (std::max(points[k].a, points[k].b) < 0 || points[k].bonded) continue;  // between others, or no contact
+    forces.push_back({contacts_->nameAt(k, points[k].a), contacts_->nameAt(k, points[k].b), points[k].point,
+                      points[k].normal, points[k].depth_m, contacts_->force(k)});
   }
   return forces;
 }

@@ -1,6 +1,7 @@
 #include "aras_visual_servo_sim/physics/touching_robots.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "physics/body/articulated_body.hpp"
 #include "physics/contact/world_contacts.hpp"
@@ -8,6 +9,13 @@
 #include "physics/drive/joint_solver.hpp"
 
 namespace aras_visual_servo_sim {
+
+namespace {
+
+/** Points on a circle about the origin of a welded link, at which both links are held together [m]. */
+const Eigen::Vector3d kWeldPoints[] = {{0.1, 0.0, 0.0}, {-0.05, 0.0866, 0.0}, {-0.05, -0.0866, 0.0}};
+
+}  // namespace
 
 /** A point between two robots; its bodies are those of robot a and of robot b. */
 struct TouchingRobots::Crossing {
@@ -17,7 +25,9 @@ struct TouchingRobots::Crossing {
   bool both_move;
 };
 
-TouchingRobots::TouchingRobots(const std::vector<MultibodyWorld*>& robots) : robots_(robots) {}
+TouchingRobots::TouchingRobots(const std::vector<MultibodyWorld*>& robots, std::vector<std::string> names,
+                               std::vector<Weld> welds)
+    : robots_(robots), names_(std::move(names)), welds_(std::move(welds)) {}
 TouchingRobots::~TouchingRobots() = default;
 
 void TouchingRobots::step() {
@@ -56,6 +66,7 @@ void TouchingRobots::findPoints() {
       if (!near.isEmpty() && !(robots_[i]->driven_ && robots_[j]->driven_)) findBetween(j, i, near);
     }
   }
+  findWelds();
   for (const Crossing& each : crossings_) {
     if (!each.both_move) continue;
     const std::size_t first = std::min(island_[each.a], island_[each.b]);
@@ -72,9 +83,52 @@ void TouchingRobots::findBetween(std::size_t a, std::size_t b, const Eigen::Alig
       other.shapes(), one.sharedBodies(), other.sharedBodies(), near,
       [&](int here, int there) { return std::min(one.frictionBeyond(here), other.frictionBeyond(there)); }, points_);
   for (const ContactPoint& point : points_) {
+    if (welded(a, point.a, b, point.b)) continue;
     const bool a_moves = one.moves(point.a, *robots_[a]->body_), b_moves = other.moves(point.b, *robots_[b]->body_);
     if (a_moves || b_moves) crossings_.push_back({a, b, point, a_moves ? a : b, a_moves && b_moves});
   }
+}
+
+bool TouchingRobots::moves(std::size_t robot, int link) const {
+  return !robots_[robot]->driven_ && robots_[robot]->contacts_->moves(link, *robots_[robot]->body_);
+}
+
+bool TouchingRobots::welded(std::size_t a, int link_a, std::size_t b, int link_b) const {
+  return std::any_of(welds_.begin(), welds_.end(), [&](const Weld& weld) {
+    return (weld.a == a && weld.link_a == link_a && weld.b == b && weld.link_b == link_b) ||
+           (weld.a == b && weld.link_a == link_b && weld.b == a && weld.link_b == link_a);
+  });
+}
+
+/** Adds the points at which welds hold. */
+void TouchingRobots::findWelds() {
+  for (const Weld& weld : welds_) {
+    const bool a_moves = moves(weld.a, weld.link_a), b_moves = moves(weld.b, weld.link_b);
+    if (!a_moves && !b_moves) continue;
+    const Pose X_WA = robots_[weld.a]->linkPose(weld.link_a), X_WB = robots_[weld.b]->linkPose(weld.link_b);
+    for (const Eigen::Vector3d& p_B : kWeldPoints) {
+      ContactPoint point;
+      point.a = weld.link_a;
+      point.b = weld.link_b;
+      point.point = X_WB * p_B;
+      point.normal = Eigen::Vector3d::UnitZ();
+      point.bonded = true;
+      point.gap = point.point - X_WA * (weld.X_AB * p_B);
+      crossings_.push_back({weld.a, weld.b, point, a_moves ? weld.a : weld.b, a_moves && b_moves});
+    }
+  }
+}
+
+/** Returns the name of the other robot's body at each point, "" at those of this one. */
+std::vector<std::string> TouchingRobots::othersOf(std::size_t robot, const std::vector<Crossing>& all) const {
+  std::vector<std::string> names;
+  for (const Crossing& each : all) {
+    const std::size_t other = each.a == robot ? each.b : each.a;
+    const int id = each.a == robot ? each.point.b : each.point.a;
+    const bool named = !names_.empty() && !each.point.bonded && other != robot && (each.a == robot || each.b == robot);
+    names.push_back(named ? names_[other] + "::" + robots_[other]->contacts_->nameOf(id) : std::string());
+  }
+  return names;
 }
 
 /** Returns all points of an island as one of its robots has them. */
@@ -119,10 +173,12 @@ void TouchingRobots::solveIsland(std::size_t island) {
     MultibodyWorld& robot = *robots_[i];
     const Eigen::Index count = robot.coupling_->coordinates();
     robot.contacts_->share(pointsOf(i, all));
+    robot.contacts_->nameOthers(othersOf(i, all));
     robot.contacts_->arrange(*robot.body_, *robot.coupling_, robot.v_free_);
     sum.J.middleCols(first, count) = robot.contacts_->rows().J;
     sum.S += robot.contacts_->rows().S;
     sum.u0 += robot.contacts_->rows().u0;
+    sum.bonds = robot.contacts_->rows().bonds;  // the same for all members
     for (Eigen::Index k = 0; k < count; ++k) {
       std::copy_n(robot.massUsed().begin() + k * count, count, M.begin() + (first + k) * n + first);
     }

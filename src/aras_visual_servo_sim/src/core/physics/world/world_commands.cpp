@@ -145,7 +145,16 @@ void MultibodyWorld::takeValues(const std::vector<const JointDrive*>& drives, co
   takeCommand(command, false);
 }
 
+/** The controller of this name, if it was loaded and runs; else null. */
+Controller* MultibodyWorld::findRunning(const std::string& name) const {
+  for (const auto& entry : controllers_.entries()) {
+    if (entry.running && entry.controller->name() == name) return entry.controller.get();
+  }
+  return nullptr;
+}
+
 void MultibodyWorld::setControllerCommand(const std::string& controller, double value) {
+  if (Controller* running = findRunning(controller); running && running->takeCommand(value)) return;
   takeValues({&driveOf(controller)}, {value});
 }
 
@@ -160,12 +169,15 @@ const ControllerConfig& MultibodyWorld::controllerConfig(const std::string& cont
 }
 
 ControllerState MultibodyWorld::controllerState(const std::string& controller) const {
+  const Controller* running = findRunning(controller);
+  if (const auto state = running ? running->pidState() : std::nullopt) return *state;
   const DriveMemory& memory = driveOf(controller).memory();
   return {memory.set_point, memory.process_value, memory.process_value_dot, memory.error, config_.period_s,
           memory.command,   memory.gains};
 }
 
 void MultibodyWorld::setGains(const std::string& controller, const PidGains& gains) {
+  if (Controller* running = findRunning(controller); running && running->takeGains(gains)) return;
   auto& drive = const_cast<JointDrive&>(driveOf(controller));
   checkGains(gains, controller);
   drive.memory().gains = gains;

@@ -70,8 +70,17 @@ void readWideLens(const UrdfSource& source, const XMLElement* lens, CameraTag& t
   if (!childFlag(source, lens, "scale_to_hfov", true)) {
     source.warn(*lens->FirstChildElement("scale_to_hfov"), "false is ignored: the image's width is the horizontal_fov");
   }
+  if (const XMLElement* polynomial = lens->FirstChildElement("polynomial")) {
+    tag.sensor_distortion.assign(4, 0.0);
+    std::istringstream text(textOf(polynomial));
+    std::string rest;
+    for (double& k : tag.sensor_distortion) text >> k;
+    if (!text || text >> rest) {
+      source.fail(*polynomial, "value is '" + textOf(polynomial) + "', must be four finite numbers k1 k2 k3 k4");
+    }
+  }
   // The size of Gazebo's cube of textures has no meaning here: there is none.
-  warnOfOthers(source, lens, {"type", "scale_to_hfov", "cutoff_angle", "env_texture_size"});
+  warnOfOthers(source, lens, {"type", "scale_to_hfov", "cutoff_angle", "env_texture_size", "polynomial"});
 }
 
 void readPlugin(const UrdfSource& source, const XMLElement& plugin, CameraTag& tag) {

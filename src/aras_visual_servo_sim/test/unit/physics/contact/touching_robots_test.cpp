@@ -102,5 +102,59 @@ TEST(TouchingRobots, TheSameGroupFromASavedStateGoesOnWithTheSameBytes) {
   EXPECT_EQ(high->saveState(), high_again->saveState());
 }
 
+/** Holds the bodies of neighbouring boxes to each other. */
+std::vector<Weld> chainOf(const std::vector<MultibodyWorld*>& worlds) {
+  std::vector<Weld> welds;
+  for (std::size_t k = 0; k + 1 < worlds.size(); ++k) {
+    const Pose X_AB = worlds[k]->linkPose("body").inverse() * worlds[k + 1]->linkPose("body");
+    welds.push_back({k, k + 1, worlds[k]->model().linkIndex("body"), worlds[k + 1]->model().linkIndex("body"), X_AB});
+  }
+  return welds;
+}
+
+TEST(TouchingRobots, WeldedBodiesMoveAsOneAndKeepTheirMomentum) {
+  const auto left = boxAt({0.0, 0.0, 5.0}, false, false), right = boxAt({0.5, 0.0, 5.0}, false, false);
+  const std::vector<MultibodyWorld*> both{left.get(), right.get()};
+  Twist twist = Twist::Zero();
+  twist[1] = 1.0;
+  left->setBaseTwist(twist);
+  TouchingRobots group(both, {"left", "right"}, chainOf(both));
+  for (int k = 0; k < 400; ++k) group.step();
+  const Pose X_LR = left->basePose().inverse() * right->basePose();
+  EXPECT_NEAR((X_LR.p - Eigen::Vector3d(0.5, 0.0, 0.0)).norm(), 0.0, 1e-4);
+  EXPECT_NEAR(X_LR.q.vec().norm(), 0.0, 1e-4);
+  const Eigen::Vector3d middle = 0.5 * (left->basePose().p + right->basePose().p);
+  EXPECT_NEAR(middle.y(), 0.5 * 1.0 * 0.4, 1e-3) << "half the speed of the one that was pushed";
+  EXPECT_NEAR(5.0 - middle.z(), 0.5 * kGravity * 0.16, 2e-3) << "they fall freely";
+  EXPECT_TRUE(left->contacts().empty()) << "a weld is no contact";
+}
+
+TEST(TouchingRobots, WeldsActTogetherWithManyContacts) {
+  std::vector<std::unique_ptr<MultibodyWorld>> boxes;
+  std::vector<MultibodyWorld*> worlds;
+  for (int k = 0; k < 7; ++k) {  // 28 points on the ground and 18 of welds, more than are solved for as they are
+    boxes.push_back(boxAt({0.2 * k, 0.0, 0.1}, false, true));
+    worlds.push_back(boxes.back().get());
+  }
+  TouchingRobots group(worlds, {}, chainOf(worlds));
+  for (int k = 0; k < 300; ++k) group.step();
+  const double sink = 2.0 * kGravity / (4.0 * kStiffness);
+  for (const auto& box : boxes) {
+    EXPECT_NEAR(box->basePose().p.z(), 0.1 - sink, 1e-6);
+    EXPECT_EQ(box->unsettledSteps(), 0u);
+  }
+  boxes[3]->push({{"body", (Twist() << 0.0, 0.0, 7.5 * 2.0 * kGravity, 0.0, 0.0, 0.0).finished()}}, {});
+  for (int k = 0; k < 100; ++k) group.step();
+  for (const auto& box : boxes) EXPECT_GT(box->basePose().p.z(), 0.102) << "the one that is pulled lifts all";
+}
+
+TEST(TouchingRobots, ContactsNameTheLinkOfTheOtherRobot) {
+  const auto low = boxAt({0.0, 0.0, 0.1}, false, true), high = boxAt({0.0, 0.0, 0.3}, false, true);
+  TouchingRobots group({low.get(), high.get()}, {"low", "high"});
+  for (int k = 0; k < 50; ++k) group.step();
+  ASSERT_FALSE(high->contacts().empty());
+  for (const ContactForce& force : high->contacts()) EXPECT_TRUE(force.a == "low::body" || force.b == "low::body");
+}
+
 }  // namespace
 }  // namespace aras_visual_servo_sim

@@ -1,0 +1,1 @@
+"""Says before a start what a package asks for that is not there."""

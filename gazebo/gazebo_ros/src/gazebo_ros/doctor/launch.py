@@ -1,0 +1,187 @@
+"""Launch files: what they include, start and load, found without starting anything."""
+import os
+import shlex
+import subprocess
+import sys
+
+import roslib.packages
+import rospkg
+from roslaunch.substitution_args import SubstitutionException, resolve_args
+
+from ..node.program import EMPTY, parsed
+from . import descriptions
+from .findings import Finding, advice_for
+from .lined import Lined
+
+XACRO_S = 60.0  #: wall time that xacro may take for a file
+SERVERS = ("gzserver", "gazebo", "debug", "perf")
+
+
+class Launch:
+    """Walks launch files.
+
+    Attributes: findings: list of Finding.  packages: folders of the packages that were met, by name.
+    """
+
+    def __init__(self, folders):
+        """Args: folders: as World has them."""
+        self.findings, self.packages = [], {}
+        self._folders, self._rospack, self._seen = folders, rospkg.RosPack(), set()
+
+    def walk(self, path, arguments):
+        """Looks at a launch file and at what it includes. Args: arguments: dict of <arg>s that it is given."""
+        key = path, tuple(sorted(arguments.items()))
+        if key in self._seen:
+            return
+        self._seen.add(key)
+        document = Lined(path)
+        if document.root is None or document.fault:
+            self._add("file", os.path.basename(path), path, document.fault or "is empty")
+            return
+        self._children(document, document.root, {"arg": dict(arguments), "filename": path}, dict(arguments))
+
+    def _add(self, kind, what, where, advice):
+        self.findings.append(Finding(kind, what, where, advice))
+
+    def _children(self, document, parent, context, given):
+        for element in parent:
+            if not self._wanted(document, element, context):
+                continue
+            look = getattr(self, "_" + element.tag, None)
+            if element.tag == "arg":
+                self._argument(document, element, context, given)
+            elif element.tag in ("include", "node", "rosparam", "param"):
+                look(document, element, context)
+            if element.tag in ("group", "node"):
+                self._children(document, element, {**context, "arg": dict(context["arg"])}, given)
+
+    def _argument(self, document, element, context, given):
+        name = element.get("name", "")
+        if "value" in element.attrib or name not in given:
+            value = self._text(document, element, element.get("value", element.get("default")), context)
+            if value is not None:
+                context["arg"][name] = value
+
+    def _wanted(self, document, element, context):
+        """Whether if and unless let an element through; what cannot be told lets it through."""
+        for key, wanted in (("if", True), ("unless", False)):
+            value = self._text(document, element, element.get(key), context)
+            if value is not None and (value.strip().lower() in ("true", "1")) != wanted:
+                return False
+        return True
+
+    def _text(self, document, element, text, context):
+        """Returns a text with its $(...) in place, or None. Packages that it names and that are not there are findings.
+        """
+        if text is None:
+            return None
+        try:
+            return resolve_args(text, context=context, filename=context["filename"])
+        except rospkg.ResourceNotFound as error:
+            self._missing_package(name_of(error), document.where(element))
+        except (SubstitutionException, ValueError, TypeError, NameError, SyntaxError) as error:
+            cause = error.__cause__ or error.__context__
+            if isinstance(cause, rospkg.ResourceNotFound):
+                self._missing_package(name_of(cause), document.where(element))
+        return None
+
+    def _missing_package(self, name, where):
+        self._add("package", name, where, advice_for(name) or "is in no folder of ROS_PACKAGE_PATH")
+
+    def package(self, name, where):
+        """Returns the folder of a package, or None with a finding."""
+        try:
+            self.packages[name] = self._rospack.get_path(name)
+        except rospkg.ResourceNotFound:
+            self._missing_package(name, where)
+            return None
+        return self.packages[name]
+
+    # --- tags of launch files
+
+    def _include(self, document, element, context):
+        path = self._text(document, element, element.get("file"), context)
+        if path is None:
+            return
+        if not os.path.isfile(path):
+            self._add("file", path, document.where(element), "is included and not there")
+            return
+        given = dict(context["arg"]) if element.get("pass_all_args", "false") in ("true", "1") else {}
+        for argument in element.findall("arg"):
+            if self._wanted(document, argument, context):
+                value = self._text(document, argument, argument.get("value"), context)
+                if value is not None:
+                    given[argument.get("name")] = value
+        name = rospkg.get_package_name(path)
+        if name:
+            self.package(name, path)
+        self.walk(path, given)
+
+    def _node(self, document, element, context):
+        package, kind = (self._text(document, element, element.get(key), context) for key in ("pkg", "type"))
+        if not package or not kind:
+            return
+        where = document.where(element)
+        if self.package(package, where) is None:
+            return
+        if not roslib.packages.find_node(package, kind, self._rospack):
+            self._add("program", "%s/%s" % (package, kind), where, "is not there: has the package been built?")
+        words = shlex.split(self._text(document, element, element.get("args", ""), context) or "")
+        if package == "gazebo_ros" and kind in SERVERS:
+            self._world(parsed(words)[0], where)
+        elif package == "gazebo_ros" and kind == "spawn_model":
+            self._spawned(words, where)
+
+    def _world(self, name, where):
+        path = self._folders.resource(name) if name else None
+        if path is not None:
+            self.findings += descriptions.findings_of(path, self._folders)
+        elif name not in EMPTY:
+            self._add("file", name, where, "is the world, and not there")
+
+    def _spawned(self, words, where):
+        for key, word in zip(words, words[1:]):
+            if key == "-database" and not self._folders(word):
+                self._add("model", word, where, "is not there")
+            elif key == "-file" and not os.path.isfile(word):
+                self._add("file", word, where, "is spawned and not there")
+            elif key == "-file":
+                self.findings += descriptions.findings_of(word, self._folders)
+
+    def _rosparam(self, document, element, context):
+        path = self._text(document, element, element.get("file"), context)
+        if path and element.get("command", "load") == "load" and not os.path.isfile(path):
+            self._add("file", path, document.where(element), "is loaded and not there")
+
+    def _param(self, document, element, context):
+        where = document.where(element)
+        path = self._text(document, element, element.get("textfile"), context)
+        if path is not None and os.path.isfile(path):
+            self.findings += descriptions.findings_of(path, self._folders)
+        elif path is not None:
+            self._add("file", path, where, "is read and not there")
+        words = shlex.split(self._text(document, element, element.get("command"), context) or "")
+        if words and os.path.basename(words[0]) in ("xacro", "xacro.py"):
+            self._xacro(words[1:], where)
+
+    def _xacro(self, words, where):
+        file = next((word for word in words if not word.startswith("-") and ":=" not in word), "")
+        if not os.path.isfile(file):
+            self._add("file", file, where, "is expanded and not there")
+            return
+        try:
+            done = subprocess.run([sys.executable, "-c", "import xacro_unprefixed; xacro_unprefixed.main()", *words],
+                                  capture_output=True, text=True, timeout=XACRO_S, check=False)
+        except subprocess.TimeoutExpired:
+            self._add("xacro", file, where, "takes longer than %g s" % XACRO_S)
+            return
+        if done.returncode:
+            lines = [line for line in done.stderr.splitlines() if line.strip()]
+            self._add("xacro", file, where, lines[0] if lines else "cannot be expanded")
+        else:
+            self.findings += descriptions.findings_of(file, self._folders, done.stdout)
+
+
+def name_of(error):
+    """Returns the name of the package that a rospkg.ResourceNotFound is about."""
+    return str(error.args[0] if error.args else error).split("\n", maxsplit=1)[0].strip()

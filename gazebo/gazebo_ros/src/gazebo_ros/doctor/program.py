@@ -1,0 +1,65 @@
+"""The program gazebo-doctor: one table of what a launch file asks for that is not there."""
+import argparse
+import os
+
+import rospkg
+
+from ..node.folders import Folders
+from . import python
+from .findings import table
+from .launch import Launch
+
+
+def launch_file(package, name):
+    """Returns the path of a launch file, as roslaunch finds it: anywhere in the package. Raises: OSError,
+    rospkg.ResourceNotFound."""
+    if os.path.isfile(package) and not name:
+        return os.path.abspath(package)
+    folder = rospkg.RosPack().get_path(package)
+    for place, _, files in sorted(os.walk(folder)):
+        if name in files:
+            return os.path.join(place, name)
+    raise FileNotFoundError("there is no file %s in %s" % (name, folder))
+
+
+def is_strangers(folder):
+    """Whether a package is one of the user's sources: neither Debian's nor installed."""
+    return not folder.startswith(("/usr/", "/opt/ros/")) and "/share/" not in folder + "/"
+
+
+def examine(path, arguments):
+    """Returns list of Finding of a launch file. Args: arguments: dict of its <arg>s."""
+    launch = Launch(Folders())
+    name = rospkg.get_package_name(path)
+    if name:
+        launch.package(name, path)
+    launch.walk(path, arguments)
+    findings = list(launch.findings)
+    for folder in dict.fromkeys(filter(is_strangers, launch.packages.values())):
+        for file in python.files_of(folder):
+            findings += python.findings_of(file, launch.packages)
+    return findings
+
+
+def main(arguments=None):
+    """Returns 0: nothing is missing, 1: something is, 2: there is no such launch file."""
+    parser = argparse.ArgumentParser(prog="gazebo-doctor", description="Says what a launch file asks for that is not "
+                                     "there: packages, programs, plugins, models, meshes, Python 2.")
+    parser.add_argument("package", help="name of a package, or path of a launch file")
+    parser.add_argument("launch", nargs="?", default="", help="name of the launch file")
+    parser.add_argument("args", nargs="*", metavar="NAME:=VALUE", help="its arguments")
+    options = parser.parse_args(arguments)
+    words = [options.launch, *options.args]
+    given = dict(word.split(":=", 1) for word in words if ":=" in word)
+    name = next((word for word in words if word and ":=" not in word), "")
+    try:
+        path = launch_file(options.package, name)
+    except rospkg.ResourceNotFound:
+        print("gazebo-doctor: there is no package '%s' in ROS_PACKAGE_PATH" % options.package)
+        return 2
+    except OSError as error:
+        print("gazebo-doctor: %s" % error)
+        return 2
+    lines = table(examine(path, given), rospkg.RosPack())
+    print("\n".join(lines) if lines else "%s: nothing is missing" % path)
+    return 1 if lines else 0

@@ -1,0 +1,38 @@
+"""libgazebo_ros_bumper.so: where a link touches something, and how hard."""
+import dataclasses
+
+from ..devices import Device, named, number, reads, text
+
+GROUND = "ground_plane::link::collision"  #: Gazebo's name of the ground
+
+
+@dataclasses.dataclass(frozen=True)
+class Bumper(Device):
+    """A contact sensor of a link."""
+    link: str
+    topic: str
+    frame: str
+    rate_hz: float
+
+    def links(self):
+        return (self.link,)
+
+    def touched(self, world, model):
+        """Returns dict of the scoped name of what the link touches -> list of Touch."""
+        found = {}
+        for touch in world.touches(model.name, self.link):
+            found.setdefault(touch.other, []).append(touch)
+        return found
+
+
+def collision_of(scoped):
+    """Returns how Gazebo calls the collision of MODEL::LINK."""
+    return GROUND if scoped == "ground_plane" else "%s::%s_collision" % (scoped, scoped.rpartition("::")[2])
+
+
+@reads("libgazebo_ros_bumper.so")
+def bumper(plugin, sensor, link, namespace):
+    """Reads the tag, which stands in a sensor of type contact."""
+    rate_hz = number(plugin, "updateRate", number(sensor, "update_rate", 0.0) if sensor is not None else 0.0)
+    return Bumper(link, named(namespace, text(plugin, "bumperTopicName", "bumper_states")),
+                  text(plugin, "frameName", "world"), rate_hz)

@@ -1,0 +1,71 @@
+"""libgazebo_ros_vacuum_gripper.so: while it is on, holds what comes near to its link.
+
+As in gazebo_ros_vacuum_gripper.cpp, a link of another model is near when its origin is within maxDistance of the
+gripper's. Gazebo pulls it with a force and gives it the gripper's velocity at each step; here the two links become one
+body until the gripper is off."""
+import dataclasses
+
+import numpy
+
+from aras_visual_servo_sim import ArasError
+
+from ..devices import Device, named, number, reads, text
+
+
+@dataclasses.dataclass(frozen=True)
+class VacuumGripper(Device):
+    """A gripper that sucks."""
+    link: str
+    topic: str                #: tells whether it holds anything
+    services: tuple           #: full names of on and off
+    max_distance_m: float
+    rate_hz: float = 100.0
+
+    def links(self):
+        return (self.link,)
+
+
+class Suction:
+    """What a vacuum gripper does. Attributes: on: whether it sucks.  held: scoped names of the links that it holds."""
+
+    def __init__(self, device, world, model):
+        self.on, self.held = False, []
+        self._device, self._world, self._model = device, world, model
+
+    def switch(self, on):
+        """Begins to suck, or lets everything go."""
+        self.on = on
+        if not on:
+            for link in self.held:
+                self._world.detach("%s::%s" % (self._model.name, self._device.link), link)
+            self.held = []
+
+    def update(self):
+        """Holds what is near now. Returns whether it holds anything."""
+        own = "%s::%s" % (self._model.name, self._device.link)
+        self.held = [link for link in self.held if self._world.is_attached(own, link)]
+        if self.on:
+            place = self._model.link_pose(self._device.link)[:3, 3]
+            for model in list(self._world.models.values()):
+                if model is self._model or model.description.fixed:
+                    continue
+                for link in model.links:
+                    scoped = "%s::%s" % (model.name, link)
+                    distance = numpy.linalg.norm(model.link_pose(link)[:3, 3] - place)
+                    if scoped not in self.held and distance <= self._device.max_distance_m:
+                        self._hold(own, scoped)
+        return bool(self.held)
+
+    def _hold(self, own, link):
+        try:
+            self._world.attach(own, link)
+        except ArasError:
+            return  # somebody else holds it to this link
+        self.held.append(link)
+
+
+@reads("libgazebo_ros_vacuum_gripper.so")
+def vacuum_gripper(plugin, _sensor, _link, namespace):
+    """Reads the tag. maxForce and minDistance of the pull have no effect."""
+    return VacuumGripper(text(plugin, "bodyName"), named(namespace, text(plugin, "topicName", "grasping")),
+                         (named(namespace, "on"), named(namespace, "off")), number(plugin, "maxDistance", 0.05))

@@ -1,0 +1,99 @@
+"""gazebo-doctor: what a package asks for that is not there."""
+import os
+
+import pytest
+
+from gazebo_ros.doctor.findings import Finding, table
+from gazebo_ros.doctor.program import main
+from gazebo_ros.doctor.python import findings_of
+
+PACKAGE = ('<package format="2"><name>%s</name><version>0.0.1</version><description>A robot.</description>'
+           '<maintainer email="somebody@example.com">Somebody</maintainer><license>BSD</license></package>')
+FILES = {
+    "launch/all.launch": """<launch>
+  <arg name="world" default="$(find doctor_robot)/worlds/w.world"/><arg name="plans" default="false"/>
+  <include file="$(find gazebo_ros)/launch/empty_world.launch"><arg name="world_name" value="$(arg world)"/></include>
+  <param name="robot_description" command="$(find xacro)/xacro $(find doctor_robot)/urdf/r.xacro"/>
+  <include if="$(arg plans)" file="$(find doctor_robot_moveit_config)/launch/move_group.launch"/>
+  <node pkg="doctor_robot" type="servo.py" name="s"/><node pkg="doctor_robot" type="compiled" name="c"/>
+  <node pkg="moveit_ros_move_group" type="move_group" name="m"/>
+  <rosparam file="$(find doctor_robot)/config/none.yaml"/>
+</launch>
+""",
+    "worlds/w.world": """<sdf version="1.6"><world name="d"><include><uri>model://sun</uri></include>
+<include><uri>model://willowgarage</uri></include>
+<plugin name="x" filename="libweather.so"/><plugin name="y" filename="libgazebo_ros_link_attacher.so"/></world></sdf>
+""",
+    "urdf/r.xacro": """<robot name="r"><link name="a"><visual><geometry>
+<mesh filename="package://doctor_robot/meshes/a.stl"/></geometry></visual></link>
+<gazebo><plugin name="p" filename="libfancy.so"/><plugin name="q" filename="libgazebo_ros_control.so"/></gazebo></robot>
+""",
+    "scripts/servo.py": "#!/usr/bin/env python\nimport rospy\nprint 'hello'\n",
+    "scripts/plan.py": "#!/usr/bin/env python\nimport moveit_commander\nfor i in xrange(3):\n    pass\n",
+    "scripts/fine.py": "import plan\nimport os\nxrange = range\nprint(os, plan, xrange)\n",
+}
+
+
+@pytest.fixture
+def robot(tmp_path, monkeypatch):
+    """A package with everything that can be missing. Returns its folder."""
+    folder = tmp_path / "doctor_robot"
+    for name, text in {**FILES, "package.xml": PACKAGE % "doctor_robot"}.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(text, encoding="utf-8")
+        if name.startswith("scripts/"):
+            (folder / name).chmod(0o755)
+    monkeypatch.setenv("ROS_PACKAGE_PATH", "%s:%s" % (tmp_path, os.environ.get("ROS_PACKAGE_PATH", "")))
+    return folder
+
+
+def rows(capsys, *words):
+    """Exit status, and the first three columns of the table."""
+    status = main(words)
+    lines = capsys.readouterr().out.splitlines()[2:]
+    return status, {tuple(line.replace("python 2", "python2").split()[:3]) for line in lines}
+
+
+def test_everything_that_is_missing_is_a_row_with_file_and_line(robot, capsys):
+    status, found = rows(capsys, "doctor_robot", "all.launch")
+    assert status == 1
+    assert found == {
+        ("package", "moveit_ros_move_group", "doctor_robot/launch/all.launch:7"),
+        ("file", "doctor_robot/config/none.yaml", "doctor_robot/launch/all.launch:8"),
+        ("program", "doctor_robot/compiled", "doctor_robot/launch/all.launch:6"),
+        ("python2", "servo.py", "doctor_robot/scripts/servo.py:3"),
+        ("python2", "plan.py", "doctor_robot/scripts/plan.py:3"),
+        ("module", "moveit_commander", "doctor_robot/scripts/plan.py:2"),
+        ("plugin", "libweather.so", "doctor_robot/worlds/w.world:3"),
+        ("plugin", "libfancy.so", "doctor_robot/urdf/r.xacro"),
+        ("model", "model://willowgarage", "doctor_robot/worlds/w.world:2"),
+        ("mesh", "package://doctor_robot/meshes/a.stl", "doctor_robot/urdf/r.xacro")}
+
+
+def test_arguments_of_the_launch_file_count(robot, capsys):
+    _, found = rows(capsys, "doctor_robot", "all.launch", "plans:=true", "world:=worlds/empty.world")
+    assert ("package", "doctor_robot_moveit_config", "doctor_robot/launch/all.launch:5") in found
+    assert not {what for what, *_ in found} & {"model"}
+
+
+def test_a_launch_file_without_a_fault_gives_no_table(robot, capsys):
+    (robot / "launch" / "good.launch").write_text('<launch><node pkg="rostopic" type="rostopic" name="t"/></launch>')
+    for name in ("servo.py", "plan.py"):
+        (robot / "scripts" / name).unlink()
+    (robot / "scripts" / "fine.py").write_text("print('fine')\n")
+    assert main(["doctor_robot", "good.launch"]) == 0
+    assert main(["doctor_robot", "none.launch"]) == 2 and main(["no_such_package", "a.launch"]) == 2
+
+
+def test_moveit_is_named_and_each_thing_once():
+    twice = [Finding("module", "moveit_commander", "a.py:1", "MoveIt"), Finding("module", "moveit_commander", "b.py:9")]
+    lines = table(twice)
+    assert len(lines) == 3 and "a.py:1" in lines[2] and table([]) == []
+
+
+def test_files_of_python_3_have_no_findings(tmp_path):
+    file = tmp_path / "new.py"
+    file.write_text("import os\ndef cmp(a, b):\n    return a - b\nprint(os, cmp(1, 2))\n")
+    assert findings_of(str(file)) == []
+    file.write_text("import Queue\n")
+    assert [(each.kind, each.where) for each in findings_of(str(file))] == [("python 2", "%s:1" % file)]

@@ -1,0 +1,113 @@
+"""Lets xacro take tags without the prefix `xacro:`, as it did from ROS Indigo to Melodic, with a warning that has file
+and line. xacro 2 passes them over, and then says that a property is not defined or makes a document without the links
+of a macro."""
+import io
+import os
+import sys
+import xml.dom
+import xml.parsers.expat
+
+import xacro
+
+KEYWORDS = ("arg", "element", "attribute", "if", "include", "insert_block", "macro", "property", "unless")
+#: Names of tags in robot descriptions and SDF, which stay what they are even where a macro has the name.
+OWN_TAGS = frozenset(
+    "actuator axis box calibration camera child collision color cylinder dynamics gazebo geometry hardwareInterface "
+    "inertia inertial joint limit link mass material mechanicalReduction mesh mimic origin parent plugin ray robot "
+    "safety_controller sensor sphere texture transmission type verbose visual".split())
+#: Tags whose content belongs to somebody else.
+FOREIGN = ("plugin", "sdf", "world")
+FIX = ("find . -iname '*.xacro' | xargs sed -i "
+       "'s#<\\([/]\\?\\)\\(if\\|unless\\|include\\|arg\\|property\\|macro\\|insert_block\\)\\b#<\\1xacro:\\2#g'")
+
+
+class Notes:
+    """Collects where tags without the prefix stand, and says it once for each file."""
+
+    def __init__(self):
+        self._found = {}
+
+    def add(self, file, line, tag):
+        """Notes a tag. Args: line: from 1; 0 where it is not known."""
+        self._found.setdefault(file, {}).setdefault(tag, []).append(line)
+
+    def lines(self):
+        """Returns a line of text for each file, and the command that mends them last."""
+        told = ["%s: tags without the prefix xacro: are deprecated, line %s" %
+                (file, ", ".join("%d <%s>" % (line, tag) for line, tag in
+                                 sorted((line, tag) for tag, lines in tags.items() for line in lines)))
+                for file, tags in self._found.items()]
+        fix = "xacro of ROS Noetic does not read such tags. This adds the prefix, but for calls of macros:\n  " + FIX
+        return [*told, fix] if told else []
+
+
+def line_numbers(text):
+    """Returns the lines of all elements of a document, in its order, from 1."""
+    lines, parser = [], xml.parsers.expat.ParserCreate()
+    parser.StartElementHandler = lambda *_: lines.append(parser.CurrentLineNumber)
+    parser.Parse(text, True)
+    return lines
+
+
+def add_prefixes(document, text, file, notes):
+    """Gives the keywords of a document of a robot their prefix. Args: text: of the document, for line numbers."""
+    root = document.documentElement
+    if root.tagName != "robot":
+        return
+    for node, line in zip([root, *root.getElementsByTagName("*")], line_numbers(text)):
+        node.xacro_place = (file, line)
+        if node.tagName in KEYWORDS and not is_foreign(node):
+            notes.add(file, line, node.tagName)
+            node.tagName = node.nodeName = "xacro:" + node.tagName
+
+
+def is_foreign(node):
+    """Whether an element stands in one that xacro knows nothing about."""
+    node = node.parentNode
+    while node is not None and node.nodeType == xml.dom.Node.ELEMENT_NODE:
+        if node.tagName in FOREIGN:
+            return True
+        node = node.parentNode
+    return False
+
+
+def install(notes):
+    """Lets the library xacro take tags without the prefix, and notes them."""
+    parse, call = xacro.parse, xacro.handle_macro_call
+
+    def parsed(inp, filename=None):
+        path = filename
+        if inp is None:
+            path = os.path.join(xacro.root_dir or "", filename)
+            if not os.path.isfile(path):
+                return parse(inp, filename)  # says what is wrong
+            with open(path, "rb") as stream:
+                text = stream.read()
+            inp = io.BytesIO(text)
+        elif isinstance(inp, str):
+            text = inp
+        else:
+            return parse(inp, filename)
+        document = parse(inp, filename)
+        add_prefixes(document, text, path or "the document", notes)
+        return document
+
+    def called(node, macros, symbols):
+        name = node.tagName
+        if ":" not in name and name not in OWN_TAGS and name in macros:
+            notes.add(*getattr(node, "xacro_place", (xacro.filestack[-1] if xacro.filestack else "?", 0)), name)
+            node.tagName = node.nodeName = "xacro:" + name
+        return call(node, macros, symbols)
+
+    xacro.parse, xacro.handle_macro_call = parsed, called
+
+
+def main():
+    """The program xacro."""
+    notes = Notes()
+    install(notes)
+    try:
+        xacro.main()
+    finally:
+        for line in notes.lines():
+            print("xacro: " + line, file=sys.stderr)
