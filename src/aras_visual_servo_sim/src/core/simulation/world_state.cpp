@@ -9,7 +9,7 @@
 namespace aras_visual_servo_sim {
 namespace {
 
-constexpr std::uint64_t kMagic = 0x34304d4953415241ULL;  // "ARASIM04"
+constexpr std::uint64_t kMagic = 0x35304d4953415241ULL;  // "ARASIM05"
 
 /** Later than this no saved state is: thirty years. Stamps are added to times without a look at their limits. */
 constexpr std::int64_t kLatestNs = 1000000000LL * 1000000000LL;
@@ -80,10 +80,6 @@ void World::visit(StateArchive& archive, Record& record, ModelSet& models) const
     }
     if (sensor && sensor->setsItself()) archive(camera.sensor);
   }
-  for (std::size_t k = 0; k < robots_.size(); ++k) {
-    if (robots_[k]->commands().delays()) archive(record.robots[k].held);
-  }
-  if (archive.reads() ? archive.left() == 0 : record.welds.empty()) return;  // states without welds end here
   archive.all(record.welds, [&](Welded& each) {
     archive(each.a, each.b, each.X_AB);
     if (!archive.reads()) return;
@@ -93,6 +89,9 @@ void World::visit(StateArchive& archive, Record& record, ModelSet& models) const
       throw StateError(std::string("saved state: ") + error.what());
     }
   });
+  for (std::size_t k = 0; k < robots_.size(); ++k) {
+    if (robots_[k]->commands().delays()) archive(record.robots[k].held);
+  }
 }
 
 std::string World::saveState() const {

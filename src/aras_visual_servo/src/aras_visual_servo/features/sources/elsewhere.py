@@ -13,7 +13,7 @@ from ...ground.errors import ParameterError
 from ...ground.types import Features
 from ...spatial import pose_from_quaternion
 from .base import Elsewhere, Taught, register_source
-from .matches import Matches, points_view
+from .matches import points_view
 from .moments import Moments
 from .tag import Tag
 
@@ -93,16 +93,16 @@ class PoseWithCovariance(Pose):
 
 
 @register_source("corners")
-class Corners(_FromElsewhere, Matches):
+class Corners(_FromElsewhere, Tag):
     """Points of the image in px, in one order in all images; z is their depth [m], or 0 where it is not known."""
 
-    topic, message, section, averages = "target/corners", "geometry_msgs/PolygonStamped", "", True
+    topic, message, section = "target/corners", "geometry_msgs/PolygonStamped", ""
 
     def wants_depth(self, vision: Mapping[str, Any]) -> bool:
         return True  # the message may bring them
 
     def taught(self, features: Any, z_star_m: float, normal_C: Sequence[float]) -> Taught:
-        return Tag.taught(self, SimpleNamespace(**vars(features), position_m=()), z_star_m, normal_C)
+        return super().taught(SimpleNamespace(**vars(features), position_m=()), z_star_m, normal_C)
 
     def kept(self, features: Any, z_star_m: Optional[float] = None) -> Features:
         z_star_m = features.z_star_m if z_star_m is None else z_star_m
