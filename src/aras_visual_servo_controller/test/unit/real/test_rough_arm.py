@@ -48,14 +48,13 @@ def test_the_seed_of_the_disturbances_does_not_matter(seed):
 
 
 def test_prediction_makes_up_for_latency():
-    """With 135 ms a gain of 9 / s goes past the goal again and again; predicted, it arrives."""
+    """With 135 ms a gain of 9 / s goes past the goal again and again until the servo has calmed down."""
     rough = Roughness(joint_rate_hz=50.0, **{**ROUGH, "image_late_s": (0.12, 0.15)})
     blind = RoughRun(scenario("experiment_1", 9.0), rough)
     blind.experiment()
-    assert blind.loop.sequence.result.status == Status.TIMED_OUT
     run = RoughRun(scenario("experiment_1", 9.0), rough, predict=True, command_delay_s=0.03)
     arrived(run, run.experiment())
-    assert run.loop.sequence.result.duration_s < 3.0
+    assert run.loop.sequence.result.duration_s < 3.0 < 8.0 < blind.loop.sequence.result.duration_s
     assert any(timing.predicted_s > 0.12 for timing in run.timings)
 
 
