@@ -85,7 +85,7 @@ class ArmLink:
     def __init__(self, kinematics: Any, settings: RealSettings, command_timeout_s: float) -> None:
         self._kinematics, self._settings = kinematics, settings
         self._command_timeout_ns = round(command_timeout_s * 1e9)
-        self._image_delay_ns = round(settings.image_delay_s * 1e9)
+        self._image_delay_ns, self._jump_ns = round(settings.image_delay_s * 1e9), round(settings.clock_jump_s * 1e9)
         self._period_s = settings.command_period_s
         names = kinematics.joint_names
         self._history = JointHistory(names, settings.max_joint_gap_s, settings.max_extrapolation_s)
@@ -108,9 +108,12 @@ class ArmLink:
     def joints(self, stamp_ns: int, q: np.ndarray, now_ns: int) -> bool:
         """A joint state, (n,) [m, rad], with NaN for joints that the message does not name.
 
-        A position that is not finite is not taken, so that the arm rests when no other comes for its joint.
+        A position that is not finite is not taken, so that the arm rests when no other comes for its joint; nor are
+        those of the time before a clock was set back, which may come late.
         Returns: whether a position was taken.
         """
+        if stamp_ns - now_ns > self._jump_ns:
+            return False
         taken = self._history.add(stamp_ns, q)
         if taken:
             self.joint_latency.add(1e-9 * (now_ns - stamp_ns))
@@ -118,7 +121,9 @@ class ArmLink:
         return bool(taken)
 
     def image(self, stamp_ns: int, features: Any, now_ns: int) -> None:
-        """The features of an image."""
+        """The features of an image, unless it is of the time before a clock was set back."""
+        if stamp_ns - self._image_delay_ns - now_ns > self._jump_ns:
+            return
         self.image_latency.add(1e-9 * (now_ns - stamp_ns + self._image_delay_ns))
         self._waiting.append((stamp_ns, features))
 

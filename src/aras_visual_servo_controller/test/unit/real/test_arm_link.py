@@ -160,6 +160,20 @@ def test_a_clock_that_jumps_stops_the_arm_at_once(step_ms):
     assert f"the clock jumped by {1e-3 * step_ms:.3f} s" in tick.unfit.reason
 
 
+def test_what_comes_late_from_before_a_clock_was_set_back_is_not_taken():
+    bench = moving()
+    before_ns = bench.now_ns
+    bench.now_ns -= 900 * MS
+    assert bench.link.tick(bench.now_ns).unfit.jumped
+    bench.link.clear()
+    assert not bench.link.joints(before_ns, bench.q, bench.now_ns)
+    bench.link.image(before_ns, "features", bench.now_ns)
+    bench.run(3)
+    assert bench.ticks[-1].unfit is None
+    bench.link.image(bench.now_ns, "new features", bench.now_ns)
+    assert [sight.stamp_ns for sight in bench.link.sights(bench.now_ns)] == [bench.now_ns]
+
+
 def test_after_a_stop_only_a_new_command_moves_the_arm():
     bench = moving()
     bench.held = False
