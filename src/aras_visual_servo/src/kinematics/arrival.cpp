@@ -82,9 +82,8 @@ std::pair<Arrival::Numbers, double> Arrival::features(std::int64_t stamp_ns, con
   requireSize("e", static_cast<Eigen::Index>(e.size()), static_cast<Eigen::Index>(thresholds_.size()));
   errors_.push_back({stamp_ns, e, tilt_rad, moved});
   while (stamp_ns - errors_.front().stamp_ns > kept_ns_) errors_.pop_front();
-  const auto first = std::find_if(errors_.begin(), errors_.end(), [&](const Errors& errors) {
-    return stamp_ns - errors.stamp_ns <= hold_ns_;
-  });
+  const auto first = std::find_if(errors_.begin(), errors_.end(),
+                                  [&](const Errors& errors) { return stamp_ns - errors.stamp_ns <= hold_ns_; });
   double most = first->tilt_rad;
   Numbers parts(e.size(), 0.0);
   for (auto errors = first; errors != errors_.end(); ++errors) {

@@ -18,7 +18,7 @@ namespace aras_visual_servo_sim {
 struct Facet {
   Eigen::Matrix3d areal = Eigen::Matrix3d::Zero();  ///< row k: (p_i x p_j) / det(p_0, p_1, p_2), corner k left out
   Eigen::Vector3d plane = Eigen::Vector3d::Zero();  ///< plane . ray = 1 / Z: the sum of the rows
-  double nearest = 0.0;                  ///< largest 1 / Z of a corner; infinite if one is not ahead
+  double nearest = 0.0;                             ///< largest 1 / Z of a corner; infinite if one is not ahead
   double bias = 0.0;                     ///< added to near_m / Z: lifts faces over what lies in the same plane
   std::array<Eigen::Vector3f, 3> rgb;    ///< at the corners, lit, 0 .. 255
   int picture = -1;                      ///< index into PlanarLayer::pictures(), which has its colour instead
