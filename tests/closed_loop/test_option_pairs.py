@@ -49,6 +49,8 @@ def settings(base, names):
             given[key] = dict.fromkeys(by, given[key])
     if "latency" in names:
         given["sim.cameras"] = [{**camera, "latency_s": LATE_S} for camera in scenario.sim["cameras"]]
+    if base == "eye_to_hand" and "track" in names:  # only the images of hold_s tell where a followed target is
+        given["servo.stop.position_m"] = 0.0003
     return given
 
 
