@@ -5,7 +5,6 @@ from geometry_msgs.msg import Point32, Vector3, Wrench
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import ChannelFloat32, JointState, PointCloud, Range
 
-from ...world.devices import directions_of
 from ...world.plugins.block_laser import BlockLaser
 from ...world.plugins.bumper import Bumper, collision_of
 from ...world.plugins.joint_states import JointStatePublisher
@@ -13,7 +12,7 @@ from ...world.plugins.p3d import Pose3d
 from ...world.plugins.range_sensor import RangeSensor
 from ..convert import pose_message, stamped, twist_message
 from .outlet import DeviceOutlet, Noise, serves
-from .sensors import SensorOutlet, scan
+from .sensors import RaysOutlet, SensorOutlet
 
 
 @serves(Pose3d)
@@ -71,16 +70,12 @@ def wrench_message(force, torque):
 
 
 @serves(RangeSensor)
-class RangeOutlet(SensorOutlet):
+class RangeOutlet(RaysOutlet):
     kind = Range
-
-    def open(self):
-        super().open()
-        self._directions = directions_of(self.device.horizontal, self.device.vertical)
 
     def measured(self, now_ns):
         device = self.device
-        ranges, _ = scan(self.world, self.model, device, self._directions)
+        ranges, _ = self.scan()
         nearest = device.nearest(ranges, device.range_max_m)
         if nearest < device.range_max_m:
             nearest = min(float(self._noise([nearest], now_ns)[0]), device.range_max_m)
@@ -90,17 +85,16 @@ class RangeOutlet(SensorOutlet):
 
 
 @serves(BlockLaser)
-class BlockLaserOutlet(SensorOutlet):
+class BlockLaserOutlet(RaysOutlet):
     kind = PointCloud
 
     def open(self):
         super().open()
-        self._directions = directions_of(self.device.horizontal, self.device.vertical)
         self._intensities = Noise(self.device.topic + " intensities", self.device.noise)
 
     def measured(self, now_ns):
-        ranges, retros = scan(self.world, self.model, self.device, self._directions)
-        points = self.device.points(ranges, self._directions)
+        ranges, retros = self.scan()
+        points = self.device.points(ranges, self.directions)
         points = numpy.where(numpy.isfinite(ranges)[:, None], self._noise(points, now_ns), points)
         return stamped(PointCloud, now_ns, self.device.frame, points=[Point32(*map(float, p)) for p in points],
                        channels=[ChannelFloat32(values=self._intensities(retros, now_ns).tolist())])

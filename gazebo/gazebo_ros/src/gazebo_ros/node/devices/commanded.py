@@ -39,8 +39,12 @@ class CommandedOutlet(DeviceOutlet):
         self.told = None
         super().time_reset(now_ns)
 
-    def open_odometry(self):
-        """Makes the topic and the transforms of the base."""
+
+class BaseOutlet(CommandedOutlet):
+    """A base on the ground, which tells its odometry."""
+
+    def open(self):
+        self.follow(self.device.command_topic)
         self._odometry = self.advertise(self.device.odometry_topic, Odometry)
         self._transforms = self.advertise("/tf", TFMessage)
 
@@ -58,11 +62,7 @@ class CommandedOutlet(DeviceOutlet):
 
 
 @serves(SkidSteer)
-class SkidSteerOutlet(CommandedOutlet):
-    def open(self):
-        self.follow(self.device.command_topic)
-        self.open_odometry()
-
+class SkidSteerOutlet(BaseOutlet):
     def send(self, now_ns):
         x, y, yaw = self.device.variances
         self.send_odometry(now_ns, (x, y, FAR, FAR, FAR, yaw), self.device.publishes_tf)
@@ -71,11 +71,7 @@ class SkidSteerOutlet(CommandedOutlet):
 
 
 @serves(PlanarMove)
-class PlanarMoveOutlet(CommandedOutlet):
-    def open(self):
-        self.follow(self.device.command_topic)
-        self.open_odometry()
-
+class PlanarMoveOutlet(BaseOutlet):
     def begin(self, now_ns):
         super().begin(now_ns)
         self._told_of = Beat(self.device.odometry_rate_hz or self.rate_hz, now_ns)

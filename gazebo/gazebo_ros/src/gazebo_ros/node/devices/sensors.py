@@ -63,19 +63,27 @@ class ImuOutlet(SensorOutlet):
         return message
 
 
+class RaysOutlet(SensorOutlet):
+    """Of sensors that look along rays."""
+
+    def open(self):
+        super().open()
+        self.directions = directions_of(self.device.horizontal, self.device.vertical)
+
+    def scan(self):
+        """What it measures now, without noise."""
+        return scan(self.world, self.model, self.device, self.directions)
+
+
 @serves(Laser)
-class LaserOutlet(SensorOutlet):
+class LaserOutlet(RaysOutlet):
     """Distances from where the sensor is at the stamp; infinite where nothing is within the range."""
 
     kind = LaserScan
 
-    def open(self):
-        super().open()
-        self._directions = directions_of(self.device.horizontal, self.device.vertical)
-
     def measured(self, now_ns):
         device, turns = self.device, self.device.horizontal
-        ranges, retros = scan(self.world, self.model, device, self._directions)
+        ranges, retros = self.scan()
         noisy = self._noise(ranges + device.noise_mean, now_ns)
         seen = numpy.isfinite(ranges)
         ranges[seen] = numpy.clip(noisy[seen], device.range_min_m, device.range_max_m)
