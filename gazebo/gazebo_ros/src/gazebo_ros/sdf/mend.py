@@ -59,23 +59,25 @@ class Reader:
         """
         with tempfile.TemporaryDirectory(prefix="gazebo_ros_") as folder:
             self._folder = folder
-            text, messages = self._read(source if is_path else "", None if is_path else source)
+            _, (text, messages) = self._read(source if is_path else "", None if is_path else source)
         for place, original in self._places.items():
             text = text.replace(place, original)
             messages = [message.replace(place, original) for message in messages]
         self.warnings += messages
         return parsed(text.replace(STAND_IN, SCOPE))
 
-    def _read(self, path: str, text: typing.Optional[str]) -> typing.Tuple[str, typing.List[str]]:
-        """Returns the expanded text and libsdformat's messages. Args: path: "" for none.  text: None: of the file."""
+    def _read(self, path: str, text: typing.Optional[str]) -> typing.Tuple[str, typing.Tuple[str, typing.List[str]]]:
+        """Returns the text that libsdformat reads, and what it gives: the expanded text and its messages.
+
+        Args: path: "" for none.  text: None: of the file.
+        """
         name = path or "the document"
         original = text_of(path) if text is None else text
         text = self._tidy(original, name)
         for _ in range(MOST_FAULTS):
             try:
-                if path and text == original:
-                    return _sdf.expanded(path, True, self._located)
-                return _sdf.expanded(*((self._copy(path, text), True) if path else (text, False)), self._located)
+                place = path if text == original else self._copy(path, text) if path else ""
+                return text, _sdf.expanded(*((place, True) if path else (text, False)), self._located)
             except ValueError as error:
                 text = self._without(text, str(error).replace(STAND_IN, SCOPE), name)
         raise refused(name, "more than %d faults" % MOST_FAULTS)
@@ -85,7 +87,8 @@ class Reader:
         inner = FILE.search(message)
         included = inner and self._original(inner["file"])
         if included and included not in self._texts and os.path.isfile(included):
-            self._texts[included] = self._mended_file(included)
+            self._texts[included] = ""  # is being mended: a file that includes itself ends here
+            self._texts[included], _ = self._read(included, None)
             self._copies.clear()
             return text
         place = PLACE.search(message)
@@ -104,19 +107,6 @@ class Reader:
                                   "SDF's default" if is_value else LEFT_OUT))
         above[0].remove(element)
         return lined(ElementTree.tostring(root, encoding="unicode"))
-
-    def _mended_file(self, path: str) -> str:
-        """Returns the text of a file that is included, as libsdformat reads it."""
-        self._texts[path] = ""  # is being mended: a file that includes itself ends here
-        original = text_of(path)
-        text = self._tidy(original, path)
-        for _ in range(MOST_FAULTS):
-            try:
-                _sdf.expanded(self._copy(path, text), True, self._located)
-                return text
-            except ValueError as error:
-                text = self._without(text, str(error).replace(STAND_IN, SCOPE), path)
-        raise refused(path, "more than %d faults" % MOST_FAULTS)
 
     # --- files
 
@@ -195,19 +185,16 @@ class Reader:
             for k, element in enumerate(parent):
                 if element.tag not in NAMED or parent.tag not in (*NAMED, "sdf"):
                     continue
+                found, made = "", ""
                 if not element.get("name", "").strip():
+                    found = "no name"
                     made = element.get("filename", "").rpartition("/")[2] or "%s_%d" % (element.tag, k + 1)
-                    self.warnings.append(told("name", "%s: %s" % (name, shown(element, parent)), "no name", made))
-                    element.set("name", made)
-                    changed = True
-                if element.tag == "link" and element.get("name") == RESERVED:
-                    self.warnings.append(told("name", "%s: %s" % (name, shown(element, parent)), "a reserved name",
-                                              RESERVED_INSTEAD))
-                    element.set("name", RESERVED_INSTEAD)
-                    changed = True
-                if element.tag == "model" and parent.tag in ("world", "sdf") and SCOPE in element.get("name", ""):
-                    made = element.get("name", "").replace(SCOPE, "_")
-                    self.warnings.append(told("name", "%s: %s" % (name, shown(element, parent)), "::", made))
+                elif element.tag == "link" and element.get("name") == RESERVED:
+                    found, made = "a reserved name", RESERVED_INSTEAD
+                elif element.tag == "model" and parent.tag in ("world", "sdf") and SCOPE in element.get("name", ""):
+                    found, made = SCOPE, element.get("name", "").replace(SCOPE, "_")
+                if found:
+                    self.warnings.append(told("name", "%s: %s" % (name, shown(element, parent)), found, made))
                     element.set("name", made)
                     changed = True
                 if SCOPE in element.get("name", ""):
