@@ -143,9 +143,3 @@ class Source:
         The image that was the reference is not available then, so a source whose reference is an image forgets it.
         """
         extractor.clear_reference()
-
-
-class Elsewhere(Source):
-    """Base class of sources whose features another node makes. They `read` its messages and make no extractor."""
-
-    from_elsewhere = True

@@ -12,7 +12,7 @@ import numpy as np
 from ...ground.errors import ParameterError
 from ...ground.types import Features
 from ...spatial import pose_from_quaternion
-from .base import Elsewhere, Taught, register_source
+from .base import Source, Taught, register_source
 from .matches import points_view
 from .moments import Moments
 from .tag import Tag
@@ -25,10 +25,11 @@ MOST_UNSURE, MOST_UNSURE_RAD = 0.1, 0.2
 ORDERS = [(i, k - i) for k in range(4) for i in range(k, -1, -1)]
 
 
-class _FromElsewhere(Elsewhere):
-    """Base class: refuses runs in one process, messages of another frame, and numbers that are not finite."""
+class Elsewhere(Source):
+    """Base class of sources whose features another node makes: refuses runs in one process, and messages of another
+    frame. A subclass says how it reads a message (`_read`)."""
 
-    sees_parts = True
+    sees_parts = from_elsewhere = True
 
     def extractor(self, camera_info: Mapping[str, Any], vision: Mapping[str, Any]) -> Any:
         raise ParameterError(f"servo.source: found {self.name}, which another node makes; allowed over ROS only")
@@ -47,7 +48,7 @@ class _FromElsewhere(Elsewhere):
 
 
 @register_source("pose")
-class Pose(_FromElsewhere, Tag):
+class Pose(Elsewhere, Tag):
     """The pose of the target's frame in the camera's. Its plane z = 0 is the target's, and four points stand for it."""
 
     topic, message, section = "target/pose", "geometry_msgs/PoseStamped", ""
@@ -93,7 +94,7 @@ class PoseWithCovariance(Pose):
 
 
 @register_source("corners")
-class Corners(_FromElsewhere, Tag):
+class Corners(Elsewhere, Tag):
     """Points of the image in px, in one order in all images; z is their depth [m], or 0 where it is not known."""
 
     topic, message, section = "target/corners", "geometry_msgs/PolygonStamped", ""
@@ -129,7 +130,7 @@ class Corners(_FromElsewhere, Tag):
 
 
 @register_source("detections")
-class Detections(_FromElsewhere, Moments):
+class Detections(Elsewhere, Moments):
     """The box of the best detection in px, as an object of that shape: for xn, yn and an. A box tells no turn."""
 
     topic, message = "target/detections", "vision_msgs/Detection2DArray"
