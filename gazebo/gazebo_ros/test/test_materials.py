@@ -87,7 +87,7 @@ def test_colours_and_the_picture_of_the_first_pass_are_read():
     assert (plain.ambient, plain.diffuse, plain.emissive) == ([0.1, 0.2, 0.3, 1.0], [0.9, 0.1, 0.1], [0.0, 0.0, 0.25])
     assert plain.specular == [0.2, 0.3, 0.4, 1.0] and plain.ignored == ()
     assert board.diffuse == plain.diffuse, "of its parent"
-    assert board.texture == "board.png" and board.ignored == ("lighting", "scroll_anim")
+    assert board.texture == "board.png" and (board.lit, board.ignored) == (False, ("scroll_anim",))
 
 
 @pytest.mark.parametrize("text", ["", "}}}", "material", "material X {",
@@ -107,7 +107,25 @@ def test_a_board_shows_the_picture_that_its_script_names_and_the_rest_is_named(o
     image, board = shown(own, "Own/Board")
     upper, lower = image[12, 20], image[28, 20]
     assert upper[1] > 2 * upper[2] and lower[2] > 3 * lower[1], (upper, lower)
-    assert board.warnings == ["material 'Own/Board': lighting, scroll_anim: ignored"]
+    assert board.warnings == ["material 'Own/Board': scroll_anim: ignored"]
+
+
+def test_without_lighting_a_picture_has_its_own_colours_in_light_and_shadow(own):
+    image, _ = shown(own, "Own/Board")
+    assert image[12, 20].tolist() == [0.0, 255.0, 0.0] and image[28, 20].tolist() == [0.0, 0.0, 255.0]
+    script = own._folder / "materials" / "scripts" / "own.material"
+    script.write_text(SCRIPT.replace("lighting off", "lighting on"))
+    assert shown(own, "Own/Board")[0][12, 20, 1] < 250.0
+    script.write_text(SCRIPT)
+    world = World(folders=own)
+    world.spawn("eye", EYE, pose=matrix_of((4, 0, 1), (0, 0, 1, 0), "test"))
+    for name in world.lights:
+        world.delete_light(name)
+    world.spawn_sdf("board", BOARD % "Own/Board", pose=matrix_of((2, 0, 1), (0, 0, 0, 1), "test"))
+    before = world.core.render("eye::eye").copy()
+    world.spawn_light("lamp", "<light name='lamp' type='point'><pose>0 0 9 0 0 0</pose></light>")
+    assert (world.core.render("eye::eye")[12:28, 12:28] == before[12:28, 12:28]).all(), "whatever lights there are"
+    assert before[12, 20].tolist() == [0, 255, 0]
 
 
 def test_a_picture_that_is_not_there_is_named(own):

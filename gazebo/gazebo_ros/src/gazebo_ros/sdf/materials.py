@@ -24,6 +24,7 @@ class Material:
     specular: typing.Optional[list] = None
     emissive: typing.Optional[list] = None
     texture: str = ""     #: name of the picture's file, as written
+    lit: bool = True      #: False: drawn in its own colour, without light and shadow
     ignored: tuple = ()   #: keywords
 
 
@@ -64,6 +65,8 @@ def told(material, keyword, words):
             return dataclasses.replace(material, **{keyword: numbers[:min(count, 4)]})
     if keyword == "texture" and words:
         return dataclasses.replace(material, texture=material.texture or words[0].strip('"'))
+    if keyword == "lighting" and words:
+        return dataclasses.replace(material, lit=words[0] != "off")
     if keyword in QUIET or keyword in material.ignored:
         return material
     return dataclasses.replace(material, ignored=(*material.ignored, keyword))
@@ -135,7 +138,9 @@ def picture_named(name, places):
 
 
 def apply(described, name, material):
-    """Gives a <material> the colours that it does not state itself."""
+    """Gives a <material> the colours that it does not state itself, and whether lights shine on it."""
+    if not described.lit and material.find("lighting") is None:
+        ElementTree.SubElement(material, "lighting").text = "false"
     for key in COLORS:
         color = getattr(described, key)
         if color is not None and material.find(key) is None:

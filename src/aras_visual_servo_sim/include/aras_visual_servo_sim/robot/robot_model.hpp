@@ -28,6 +28,7 @@ struct Finish {
   Rgba specular{0.0, 0.0, 0.0, 1.0};
   double shininess = 1.0;
   Rgba emissive{0.0, 0.0, 0.0, 1.0};
+  bool unlit = false;  ///< drawn in its own colour, whatever the lights are: <lighting>false</lighting>
 };
 
 /** One <visual> of a link. */

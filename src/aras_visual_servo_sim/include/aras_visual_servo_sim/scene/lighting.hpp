@@ -19,6 +19,7 @@ struct Material {
   Eigen::Vector3d specular = Eigen::Vector3d::Zero();  ///< 0 .. 1
   double shininess = 1.0;                              ///< exponent of the highlight
   Eigen::Vector3d emissive = Eigen::Vector3d::Zero();  ///< 0 .. 1
+  bool unlit = false;                                  ///< drawn in its own colour: neither lights nor shadows count
   double opacity = 1.0;                                ///< 0 .. 1
   bool two_sided = false;                              ///< its back is drawn too, lit as a front
 };

@@ -30,6 +30,7 @@ void addShape(const Shape& shape, const std::string& body, Undrawn& undrawn) {
   add(material.ambient || material.ambient_share != usual.ambient_share, "ambient colour");
   add(material.specular != usual.specular, "specular");
   add(material.emissive != usual.emissive, "emissive");
+  add(material.unlit, "the evenness of unlit surfaces");
   add(material.opacity != usual.opacity, "opacity");
   add(material.two_sided != usual.two_sided, "the back of two-sided faces");
   const std::vector<MeshPicture>& pictures = shape.mesh->pictures;

@@ -19,6 +19,7 @@ Material materialOf(const Visual& visual) {
   material.specular = intensity(visual.finish.specular);
   material.shininess = visual.finish.shininess;
   material.emissive = intensity(visual.finish.emissive);
+  material.unlit = visual.finish.unlit;
   material.opacity = std::clamp(visual.color.a, 0.0, 1.0);
   return material;
 }

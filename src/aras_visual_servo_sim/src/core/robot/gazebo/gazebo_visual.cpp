@@ -54,7 +54,8 @@ void paintAs(const UrdfSource& source, const XMLElement& element, Visual& visual
   if (ambient) visual.finish.ambient = colorOf(source, *ambient);
   if (const XMLElement* specular = given("specular")) visual.finish.specular = colorOf(source, *specular);
   if (const XMLElement* emissive = given("emissive")) visual.finish.emissive = colorOf(source, *emissive);
-  warnOfOthers(source, &element, {"script", "diffuse", "ambient", "specular", "emissive"});
+  visual.finish.unlit = !childFlag(source, &element, "lighting", true);
+  warnOfOthers(source, &element, {"script", "diffuse", "ambient", "specular", "emissive", "lighting"});
 }
 
 }  // namespace

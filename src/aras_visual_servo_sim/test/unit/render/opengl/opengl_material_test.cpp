@@ -144,5 +144,19 @@ TEST(OpenGlMaterial, BacksAreSeenOnlyOfTwoSidedThings) {
   EXPECT_NEAR(renderOpenGl(camera, kAbove, scene).pixel(160, 120)[0], 25.5, kRounding);
 }
 
+TEST(OpenGlMaterial, UnlitSurfacesHaveTheirOwnColourWhateverTheLightsAre) {
+  Scene scene = sceneOf(plate(1.0, stripes(4)), 0.0);
+  scene.bodies[0].shapes[0].material.unlit = true;
+  scene.bodies[0].shapes[0].material.emissive.setConstant(0.5);
+  const CameraModel camera(rgbConfig());
+  const Image dark = renderOpenGl(camera, lookingDown({0.0, 0.0, 1.0}), scene);
+  const auto [low, high] = spread(dark, 60, 260, 120);
+  EXPECT_EQ(low, 0) << "nor does it glow";
+  EXPECT_EQ(high, 255);
+  scene.lighting.ambient.setConstant(0.7);
+  scene.lighting.lights.push_back(lamp(Light::Type::kPoint, 3.0));
+  EXPECT_EQ(renderOpenGl(camera, lookingDown({0.0, 0.0, 1.0}), scene).data, dark.data);
+}
+
 }  // namespace
 }  // namespace aras_visual_servo_sim::testing

@@ -228,7 +228,7 @@ void SolidPainter::draw(const Sight& sight, const PinholeView& view) {
   constexpr GLsizei kFew = 3 * 1000;  // indices: drawing their points again costs less than shadows all over
   constexpr double kSmallPart = 0.7;  // of the pixels
   const bool few = mesh.index_count <= kFew;
-  std::string shaded = sight.letters, plain = sight.letters;
+  std::string shaded = shape.material.unlit ? std::string() : sight.letters, plain = shaded;
   PixelParts parts(all);
   for (std::size_t k = 0; k < shaded.size(); ++k) {
     if (!std::isupper(shaded[k])) continue;
@@ -284,9 +284,11 @@ void SolidPainter::draw(const Item& item, const PinholeView& view, const GlMesh&
   gl_.Uniform4f(program.shape_color, color.x(), color.y(), color.z(), 1.0f);
   gl_.Uniform4f(program.far_plane, float(-axis.x()), float(-axis.y()), float(-axis.z()), float(camera_->farM()));
   // A colour of its own that ambient light meets adds to the light it gives.
-  const bool own = material.ambient && !part.picture;
-  const Eigen::Vector3f ambient = float(own ? 0.0 : material.ambient_share) * lights_->ambient.cast<float>();
+  const bool own = material.ambient && !part.picture && !material.unlit;
+  Eigen::Vector3f ambient = float(own ? 0.0 : material.ambient_share) * lights_->ambient.cast<float>();
+  if (material.unlit) ambient.setOnes();
   Eigen::Vector3f glow = material.emissive.cast<float>();
+  if (material.unlit) glow.setZero();
   if (own) glow += material.ambient->cwiseProduct(lights_->ambient).cast<float>();
   const Eigen::Vector3f highlight = material.specular.cast<float>();
   gl_.Uniform3f(program.ambient, ambient.x(), ambient.y(), ambient.z());
@@ -365,7 +367,8 @@ void SolidPainter::setLights(Program& program) {
   const Pose X_CW = X_WC_.inverse();
   const Eigen::Matrix4d X_WC = X_WC_.matrix();
   int unit_of_map = kFirstMapUnit;
-  for (std::size_t k = 0; k < lights_->lights.size(); ++k) {
+  // A program of unlit surfaces may have been made when there were fewer lights.
+  for (std::size_t k = 0; k < std::min(lights_->lights.size(), program.lights.size()); ++k) {
     const Light& light = lights_->lights[k];
     const Program::OfLight& at = program.lights[k];
     const auto set3 = [&](GLint place, const Eigen::Vector3d& value) {
