@@ -29,7 +29,7 @@ def is_strangers(folder):
 
 def examine(path, arguments):
     """Returns list of Finding of a launch file. Args: arguments: dict of its <arg>s."""
-    launch = Launch(Folders())
+    launch = Launch(Folders(dict(os.environ)))
     name = rospkg.get_package_name(path)
     if name:
         launch.package(name, path)
