@@ -32,6 +32,8 @@ FILES = {
 """,
     "scripts/servo.py": "#!/usr/bin/env python\nimport rospy\nprint 'hello'\n",
     "scripts/plan.py": "#!/usr/bin/env python\nimport moveit_commander\nfor i in xrange(3):\n    pass\n",
+    "tools/helper.py": "import re\n",
+    "scripts/user.py": "import sys\nsys.path.append('../tools')\nimport helper\n",
     "scripts/merged.py": "import os\n<<<<<<< HEAD\nimport re\n=======\n>>>>>>> main\n",
     "scripts/fine.py": "import plan\nimport os\nxrange = range\nprint(os, plan, xrange)\n",
 }

@@ -100,6 +100,12 @@ class Launch:
             return None
         return self.packages[name]
 
+    def package_of(self, path):
+        """Takes the package of a file along, also one inside another, which ROS_PACKAGE_PATH does not lead to."""
+        name = rospkg.get_package_name(path)
+        if name in self._rospack.list():
+            self.package(name, path)
+
     # --- tags of launch files
 
     def _include(self, document, element, context):
@@ -117,9 +123,7 @@ class Launch:
                     given[argument.get("name")] = value
         for variable in element.findall("env"):
             self._env(document, variable, context)
-        name = rospkg.get_package_name(path)
-        if name:
-            self.package(name, path)
+        self.package_of(path)
         self.walk(path, given)
 
     def _env(self, document, element, context):

@@ -38,6 +38,13 @@ def files_of(folder):
                 yield path
 
 
+def modules_in(files):
+    """Returns names of the modules that files are, and of the folders that they stand in: programs add these to
+    sys.path."""
+    return {os.path.splitext(os.path.basename(path))[0] for path in files} | {
+        os.path.basename(os.path.dirname(path)) for path in files}
+
+
 def findings_of(path, own=()):
     """Returns list of Finding of a file. Args: own: names of modules that its workspace brings."""
     try:
