@@ -12,7 +12,8 @@ PACKAGE = ('<package format="2"><name>%s</name><version>0.0.1</version><descript
 FILES = {
     "launch/all.launch": """<launch>
   <arg name="world" default="$(find doctor_robot)/worlds/w.world"/><arg name="plans" default="false"/>
-  <include file="$(find gazebo_ros)/launch/empty_world.launch"><arg name="world_name" value="$(arg world)"/></include>
+  <include file="$(find gazebo_ros)/launch/empty_world.launch"><arg name="world_name" default="$(arg world)"/>
+  <env name="GAZEBO_MODEL_PATH" value="$(find doctor_robot)/models:$(optenv GAZEBO_MODEL_PATH)"/></include>
   <param name="robot_description" command="$(find xacro)/xacro $(find doctor_robot)/urdf/r.xacro"/>
   <include if="$(arg plans)" file="$(find doctor_robot_moveit_config)/launch/move_group.launch"/>
   <node pkg="doctor_robot" type="servo.py" name="s"/><node pkg="doctor_robot" type="compiled" name="c"/>
@@ -20,7 +21,8 @@ FILES = {
   <rosparam file="$(find doctor_robot)/config/none.yaml"/>
 </launch>
 """,
-    "worlds/w.world": """<sdf version="1.6"><world name="d"><include><uri>model://sun</uri></include>
+    "models/cup/model.config": "<model/>",
+    "worlds/w.world": """<sdf version="1.6"><world name="d"><include><uri>model://cup</uri></include><!-- a -- b --->
 <include><uri>model://willowgarage</uri></include>
 <plugin name="x" filename="libweather.so"/><plugin name="y" filename="libgazebo_ros_link_attacher.so"/></world></sdf>
 """,
@@ -30,6 +32,9 @@ FILES = {
 """,
     "scripts/servo.py": "#!/usr/bin/env python\nimport rospy\nprint 'hello'\n",
     "scripts/plan.py": "#!/usr/bin/env python\nimport moveit_commander\nfor i in xrange(3):\n    pass\n",
+    "tools/helper.py": "import re\n",
+    "scripts/user.py": "import sys\nsys.path.append('../tools')\nimport helper\n",
+    "scripts/merged.py": "import os\n<<<<<<< HEAD\nimport re\n=======\n>>>>>>> main\n",
     "scripts/fine.py": "import plan\nimport os\nxrange = range\nprint(os, plan, xrange)\n",
 }
 
@@ -58,9 +63,10 @@ def test_everything_that_is_missing_is_a_row_with_file_and_line(robot, capsys):
     status, found = rows(capsys, "doctor_robot", "all.launch")
     assert status == 1
     assert found == {
-        ("package", "moveit_ros_move_group", "doctor_robot/launch/all.launch:7"),
-        ("file", "doctor_robot/config/none.yaml", "doctor_robot/launch/all.launch:8"),
-        ("program", "doctor_robot/compiled", "doctor_robot/launch/all.launch:6"),
+        ("package", "moveit_ros_move_group", "doctor_robot/launch/all.launch:8"),
+        ("file", "doctor_robot/config/none.yaml", "doctor_robot/launch/all.launch:9"),
+        ("program", "doctor_robot/compiled", "doctor_robot/launch/all.launch:7"),
+        ("syntax", "merged.py", "doctor_robot/scripts/merged.py:2"),
         ("python2", "servo.py", "doctor_robot/scripts/servo.py:3"),
         ("python2", "plan.py", "doctor_robot/scripts/plan.py:3"),
         ("module", "moveit_commander", "doctor_robot/scripts/plan.py:2"),
@@ -72,13 +78,13 @@ def test_everything_that_is_missing_is_a_row_with_file_and_line(robot, capsys):
 
 def test_arguments_of_the_launch_file_count(robot, capsys):
     _, found = rows(capsys, "doctor_robot", "all.launch", "plans:=true", "world:=worlds/empty.world")
-    assert ("package", "doctor_robot_moveit_config", "doctor_robot/launch/all.launch:5") in found
+    assert ("package", "doctor_robot_moveit_config", "doctor_robot/launch/all.launch:6") in found
     assert not {what for what, *_ in found} & {"model"}
 
 
 def test_a_launch_file_without_a_fault_gives_no_table(robot, capsys):
     (robot / "launch" / "good.launch").write_text('<launch><node pkg="rostopic" type="rostopic" name="t"/></launch>')
-    for name in ("servo.py", "plan.py"):
+    for name in ("servo.py", "plan.py", "merged.py"):
         (robot / "scripts" / name).unlink()
     (robot / "scripts" / "fine.py").write_text("print('fine')\n")
     assert main(["doctor_robot", "good.launch"]) == 0

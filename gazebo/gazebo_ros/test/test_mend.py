@@ -363,6 +363,14 @@ def test_a_file_may_have_comments_of_any_encoding(tmp_path):
     assert [model.name for model, _ in file.models] == ["a_b"] and any("a::b" in line for line in file.warnings)
 
 
+def test_comments_and_ampersands_that_expat_refuses_are_read(tmp_path):
+    model = "<model name='%s'><link name='l'><!-- -- <pose>a</pose> ---></link></model>"
+    (tmp_path / "loose.world").write_text("<sdf version='1.6'><world name='w'>%s%s</world></sdf>" % (
+        model % "cup & can", model % "a&amp;b"))
+    file = read_world(str(tmp_path / "loose.world"), True, NoFolders())
+    assert [model.name for model, _ in file.models] == ["cup & can", "a&b"] and not file.warnings
+
+
 @pytest.mark.parametrize("text, cause", [("<sdf version='1.6'><world", "no XML"), ("", "no XML"),
                                          ("<sdf version='1.6'/>", "<world>")])
 def test_a_world_that_cannot_be_read_is_refused_with_its_file(tmp_path, text, cause):

@@ -7,7 +7,7 @@ import pytest
 from aras_visual_servo_sim import ModelError
 
 from gazebo_ros.world.poses import matrix_of
-from gazebo_ros.sdf.document import NoFolders, expanded
+from gazebo_ros.sdf.document import NoFolders, expanded, found
 from gazebo_ros.sdf.model import model_of
 from gazebo_ros.sdf.world import EMPTY_WORLD, read_world
 from gazebo_ros.world.world import World
@@ -220,3 +220,18 @@ def test_times_of_a_saved_state_need_no_nanoseconds(tmp_path, is_path):
     root, _ = expanded(str(path) if is_path else text, is_path, NoFolders())
     assert [root.findtext("world/state/" + key).split() for key in ("sim_time", "real_time", "wall_time")] == [
         ["0", "0"], ["7", "0"], ["3", "4"]]
+
+
+def test_a_path_of_another_machine_is_found_in_the_package_that_it_names(tmp_path):
+    (tmp_path / "arm" / "meshes").mkdir(parents=True)
+    mesh = tmp_path / "arm" / "meshes" / "base.stl"
+    mesh.write_text("")
+
+    class Packages(NoFolders):
+        def __call__(self, name):
+            return str(tmp_path / name) if (tmp_path / name).is_dir() else None
+
+    for place in ("/opt/ros/melodic/share/arm", "file:///home/somebody/ws/src/arm"):
+        assert found(place + "/meshes/base.stl", Packages()) == str(mesh)
+        assert found(place + "/meshes/other.stl", Packages()) == ""
+    assert found("/meshes/base.stl", Packages()) == "" and found(str(mesh), NoFolders()) == str(mesh)

@@ -47,3 +47,13 @@ def test_files_with_prefixes_say_nothing_and_plugins_keep_their_tags(tmp_path):
     assert robot.find("gazebo/plugin/property").get("name") == "mine"
     assert (robot.find("link").get("name"), said) == ("l2", "")
     assert expanded(tmp_path, HEAD + '<link name="${nothing}"/></robot>')[0] is None
+
+
+def test_old_documents_may_call_macros_that_nobody_defines_and_have_properties_without_a_name(tmp_path):
+    rest = '<xacro:property name="" value="1"/>\n<xacro:wheel n="a"/><link name="b"/></robot>'
+    robot, said = expanded(tmp_path, HEAD + '<property name="x" value="2"/>\n' + rest)
+    assert [element.get("name") for element in robot] == ["b"]
+    assert any("main.xacro:3: <xacro:property>" in line for line in said.splitlines())
+    assert any("main.xacro:4: <xacro:wheel>" in line for line in said.splitlines())
+    assert expanded(tmp_path, HEAD + rest)[0] is None, "a document with prefixes is read as ROS Noetic reads it"
+    assert expanded(tmp_path, HEAD + rest.split("\n")[1])[0] is None

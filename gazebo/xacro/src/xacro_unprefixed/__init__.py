@@ -1,6 +1,7 @@
 """Lets xacro take tags without the prefix `xacro:`, as it did from ROS Indigo to Melodic, with a warning that has file
 and line. xacro 2 passes them over, and then says that a property is not defined or makes a document without the links
-of a macro."""
+of a macro. Documents that have such tags may also call macros that nobody defines, and define properties without a
+name, which xacro of ROS Indigo passed over."""
 import io
 import os
 import sys
@@ -25,7 +26,16 @@ class Notes:
     """Collects where tags without the prefix stand, and says it once for each file."""
 
     def __init__(self):
-        self._found = {}
+        self._found, self._passed = {}, []
+
+    def is_old(self):
+        """Whether tags without the prefix have been met."""
+        return bool(self._found)
+
+    def pass_over(self, node, what):
+        """Takes an element out, and notes it. Args: what: is wrong with it."""
+        self._passed.append("%s:%d: <%s>: %s: passed over, as until ROS Indigo" % (*place(node), node.tagName, what))
+        xacro.replace_node(node, by=None)
 
     def add(self, file, line, tag):
         """Notes a tag. Args: line: from 1; 0 where it is not known."""
@@ -38,7 +48,12 @@ class Notes:
                                  sorted((line, tag) for tag, lines in tags.items() for line in lines)))
                 for file, tags in self._found.items()]
         fix = "xacro of ROS Noetic does not read such tags. This adds the prefix, but for calls of macros:\n  " + FIX
-        return [*told, fix] if told else []
+        return [*told, fix, *self._passed] if told else []
+
+
+def place(node):
+    """Returns the file of an element, and its line from 1, 0 where it is not known."""
+    return getattr(node, "xacro_place", (xacro.filestack[-1] if xacro.filestack else "?", 0))
 
 
 def line_numbers(text):
@@ -73,7 +88,7 @@ def is_foreign(node):
 
 def install(notes):
     """Lets the library xacro take tags without the prefix, and notes them."""
-    parse, call = xacro.parse, xacro.handle_macro_call
+    parse, call, grab = xacro.parse, xacro.handle_macro_call, xacro.grab_property
 
     def parsed(inp, filename=None):
         path = filename
@@ -95,11 +110,24 @@ def install(notes):
     def called(node, macros, symbols):
         name = node.tagName
         if ":" not in name and name not in OWN_TAGS and name in macros:
-            notes.add(*getattr(node, "xacro_place", (xacro.filestack[-1] if xacro.filestack else "?", 0)), name)
+            notes.add(*place(node), name)
             node.tagName = node.nodeName = "xacro:" + name
+        elif notes.is_old() and name.startswith("xacro:") and name != "xacro:call":
+            try:
+                xacro.resolve_macro(name[len("xacro:"):], macros, symbols)
+            except KeyError:
+                notes.pass_over(node, "there is no such macro")
+                return True
         return call(node, macros, symbols)
 
-    xacro.parse, xacro.handle_macro_call = parsed, called
+    def grabbed(element, table):
+        name = element.getAttribute("name")
+        if notes.is_old() and not xacro.is_valid_name(str(xacro.eval_text(name, table))):
+            notes.pass_over(element, "found the name '%s', which no property can have" % name)
+        else:
+            grab(element, table)
+
+    xacro.parse, xacro.handle_macro_call, xacro.grab_property = parsed, called, grabbed
 
 
 def main():

@@ -1,5 +1,6 @@
 """Launch files: what they include, start and load, found without starting anything."""
 import os
+import re
 import shlex
 import subprocess
 import sys
@@ -8,12 +9,14 @@ import roslib.packages
 import rospkg
 from roslaunch.substitution_args import SubstitutionException, resolve_args
 
+from ..node.folders import MODEL_PATH, RESOURCE_PATH
 from ..node.program import EMPTY, parsed
 from . import descriptions
 from .findings import Finding, advice_for
 from .lined import Lined
 
 XACRO_S = 60.0  #: wall time that xacro may take for a file
+PASSING = re.compile("xacro: in-order processing|.*[Ww]arning:|when |instantiated from|in file:|Traceback| ")
 SERVERS = ("gzserver", "gazebo", "debug", "perf")
 
 
@@ -24,7 +27,7 @@ class Launch:
     """
 
     def __init__(self, folders):
-        """Args: folders: as World has them."""
+        """Args: folders: Folders; their environment is changed by <env>."""
         self.findings, self.packages = [], {}
         self._folders, self._rospack, self._seen = folders, rospkg.RosPack(), set()
 
@@ -50,7 +53,7 @@ class Launch:
             look = getattr(self, "_" + element.tag, None)
             if element.tag == "arg":
                 self._argument(document, element, context, given)
-            elif element.tag in ("include", "node", "rosparam", "param"):
+            elif element.tag in ("include", "node", "rosparam", "param", "env"):
                 look(document, element, context)
             if element.tag in ("group", "node"):
                 self._children(document, element, {**context, "arg": dict(context["arg"])}, given)
@@ -97,6 +100,12 @@ class Launch:
             return None
         return self.packages[name]
 
+    def package_of(self, path):
+        """Takes the package of a file along, also one inside another, which ROS_PACKAGE_PATH does not lead to."""
+        name = rospkg.get_package_name(path)
+        if name in self._rospack.list():
+            self.package(name, path)
+
     # --- tags of launch files
 
     def _include(self, document, element, context):
@@ -109,13 +118,19 @@ class Launch:
         given = dict(context["arg"]) if element.get("pass_all_args", "false") in ("true", "1") else {}
         for argument in element.findall("arg"):
             if self._wanted(document, argument, context):
-                value = self._text(document, argument, argument.get("value"), context)
+                value = self._text(document, argument, argument.get("value", argument.get("default")), context)
                 if value is not None:
                     given[argument.get("name")] = value
-        name = rospkg.get_package_name(path)
-        if name:
-            self.package(name, path)
+        for variable in element.findall("env"):
+            self._env(document, variable, context)
+        self.package_of(path)
         self.walk(path, given)
+
+    def _env(self, document, element, context):
+        """Adds a launch file's folders of models and resources, for all that follows."""
+        value = self._text(document, element, element.get("value"), context)
+        if value and element.get("name") in (MODEL_PATH, RESOURCE_PATH):
+            self._folders.environment[element.get("name")] = value
 
     def _node(self, document, element, context):
         package, kind = (self._text(document, element, element.get(key), context) for key in ("pkg", "type"))
@@ -176,7 +191,7 @@ class Launch:
             self._add("xacro", file, where, "takes longer than %g s" % XACRO_S)
             return
         if done.returncode:
-            lines = [line for line in done.stderr.splitlines() if line.strip()]
+            lines = [line for line in done.stderr.splitlines() if line.strip() and not PASSING.match(line)]
             self._add("xacro", file, where, lines[0] if lines else "cannot be expanded")
         else:
             self.findings += descriptions.findings_of(file, self._folders, done.stdout)

@@ -2,6 +2,10 @@
 import xml.etree.ElementTree as ElementTree
 import xml.parsers.expat
 
+from aras_visual_servo_sim import ModelError
+
+from ..sdf.mend import text_of, without_comments
+
 
 class Lined:
     """A document. Attributes: path: of the file.  root: Element.  fault: what is wrong with it, "" for nothing."""
@@ -9,16 +13,13 @@ class Lined:
     def __init__(self, path, text=None):
         """Args: text: of the document, None: it is read from the file."""
         self.path, self.root, self.fault, self._lines, self._open = path, None, "", {}, []
-        parser = xml.parsers.expat.ParserCreate()
-        parser.StartElementHandler, parser.EndElementHandler = self._start, lambda _: self._open.pop()
-        parser.CharacterDataHandler = self._data
-        self._parser = parser
         try:
-            if text is None:
-                with open(path, "rb") as file:
-                    text = file.read()
-            parser.Parse(text, True)
-        except (OSError, xml.parsers.expat.ExpatError) as error:
+            text = text_of(path) if text is None else text
+            try:
+                self._parse(text)
+            except xml.parsers.expat.ExpatError:
+                self._parse(without_comments(text))
+        except (ModelError, xml.parsers.expat.ExpatError) as error:
             self.fault = str(error)
 
     def where(self, element):
@@ -29,6 +30,14 @@ class Lined:
     def forget_lines(self):
         """Lets where() name the file alone."""
         self._lines.clear()
+
+    def _parse(self, text):
+        self.root, self._open = None, []
+        self._lines.clear()
+        self._parser = xml.parsers.expat.ParserCreate()
+        self._parser.StartElementHandler, self._parser.EndElementHandler = self._start, lambda _: self._open.pop()
+        self._parser.CharacterDataHandler = self._data
+        self._parser.Parse(text, True)
 
     def _start(self, tag, attributes):
         element = ElementTree.Element(tag, attributes)

@@ -29,15 +29,15 @@ def is_strangers(folder):
 
 def examine(path, arguments):
     """Returns list of Finding of a launch file. Args: arguments: dict of its <arg>s."""
-    launch = Launch(Folders())
-    name = rospkg.get_package_name(path)
-    if name:
-        launch.package(name, path)
+    launch = Launch(Folders(dict(os.environ)))
+    launch.package_of(path)
     launch.walk(path, arguments)
     findings = list(launch.findings)
     for folder in dict.fromkeys(filter(is_strangers, launch.packages.values())):
-        for file in python.files_of(folder):
-            findings += python.findings_of(file, launch.packages)
+        files = list(python.files_of(folder))
+        own = {*launch.packages, *python.modules_in(files)}
+        for file in files:
+            findings += python.findings_of(file, own)
     return findings
 
 

@@ -2,6 +2,7 @@
 import ast
 import importlib.util
 import os
+import re
 
 from .findings import Finding, advice_for
 
@@ -11,6 +12,7 @@ OLD_NAMES = {"xrange", "raw_input", "unicode", "unichr", "basestring", "execfile
 OLD_MODULES = {"Queue": "queue", "Tkinter": "tkinter", "ConfigParser": "configparser", "urllib2": "urllib.request",
                "cPickle": "pickle", "StringIO": "io", "commands": "subprocess", "thread": "_thread",
                "tkMessageBox": "tkinter.messagebox", "__builtin__": "builtins", "HTMLParser": "html.parser"}
+CONFLICT = re.compile(r"[<=>]{7}(\s|$)")  #: lines that git writes into files
 TO_3 = "written for Python 2; `2to3 -w FILE` mends most of it"
 
 
@@ -36,13 +38,23 @@ def files_of(folder):
                 yield path
 
 
+def modules_in(files):
+    """Returns names of the modules that files are, and of the folders that they stand in: programs add these to
+    sys.path."""
+    return {os.path.splitext(os.path.basename(path))[0] for path in files} | {
+        os.path.basename(os.path.dirname(path)) for path in files}
+
+
 def findings_of(path, own=()):
     """Returns list of Finding of a file. Args: own: names of modules that its workspace brings."""
     try:
         with open(path, "rb") as file:
             tree = ast.parse(file.read(), path)
     except SyntaxError as error:
-        return [Finding("python 2", os.path.basename(path), "%s:%d" % (path, error.lineno or 0), TO_3)]
+        where = "%s:%d" % (path, error.lineno or 0)
+        if CONFLICT.match(error.text or ""):
+            return [Finding("syntax", os.path.basename(path), where, "a merge conflict was committed")]
+        return [Finding("python 2", os.path.basename(path), where, TO_3)]
     except (OSError, ValueError):
         return []
     found, defined = [], {node.id for node in ast.walk(tree) if isinstance(node, ast.Name) and

@@ -10,9 +10,13 @@ DOWNLOADED = "~/.gazebo/models"  #: where Gazebo puts models of its database
 
 
 class Folders:
-    """Callable: the folder of a package or model, or None. What was found is remembered."""
+    """Callable: the folder of a package or model, or None. What was found is remembered.
 
-    def __init__(self):
+    Attributes: environment: mapping of the variables that name folders.
+    """
+
+    def __init__(self, environment=os.environ):
+        self.environment = environment
         self._packages = rospkg.RosPack()
         self._exported = {}
 
@@ -33,7 +37,7 @@ class Folders:
 
     def _places(self, variable, key):
         """The folders of a variable of the environment, then those that packages export."""
-        yield from filter(None, os.environ.get(variable, "").split(":"))
+        yield from filter(None, self.environment.get(variable, "").split(":"))
         yield from self._exports(key)
 
     def _package(self, name):

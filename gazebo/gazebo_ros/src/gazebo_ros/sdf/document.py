@@ -22,7 +22,8 @@ def expanded(source, is_path, folders):
 
 def found(uri, folders):
     """Path of what a URI names, "" if it is nowhere: model:// and package:// of a folder, file:// and plain ones of a
-    path, or of one that begins where resources are."""
+    path, or of one that begins where resources are, or of one from another machine that ends in a file of a package or
+    model (/opt/ros/melodic/share/PACKAGE/..., as Gazebo saves it)."""
     scheme, _, path = uri.rpartition("://")
     if scheme in ("model", "package"):
         name, _, rest = path.partition("/")
@@ -32,7 +33,19 @@ def found(uri, folders):
         return folders(path.rpartition("/")[2].lower().replace(" ", "_")) or ""
     if scheme not in ("", "file"):
         return ""
-    return path if os.path.isabs(path) and os.path.exists(path) else folders.resource(path) or ""
+    if os.path.isabs(path):
+        return path if os.path.exists(path) else moved(path, folders)
+    return folders.resource(path) or ""
+
+
+def moved(path, folders):
+    """The file of a package or model in which a path of another machine ends, "" if there is none."""
+    names = path.strip("/").split("/")
+    for k, name in enumerate(names[:-1]):
+        folder = folders(name) if name else None
+        if folder and os.path.isfile(os.path.join(folder, *names[k + 1:])):
+            return os.path.join(folder, *names[k + 1:])
+    return ""
 
 
 class NoFolders:

@@ -9,7 +9,6 @@ import tempfile
 import typing
 import xml.etree.ElementTree as ElementTree
 import xml.parsers.expat
-import xml.parsers.expat.errors
 
 from aras_visual_servo_sim import ModelError
 
@@ -32,8 +31,8 @@ PLACE = re.compile(r"Error reading element <(?P<tag>[^>]*)> \([^()]*:(?P<line>\d
 FILE = re.compile(r"Unable to read file\[(?P<file>[^\]]*)\]")
 PREFIX = re.compile(r"(</?|\s)(?!xml)([\w.-]+):(?=[\w.-]+[\s=/>])")
 DECLARATION = re.compile(r"<\?xml\s.*?\?>", re.DOTALL)
-UNBOUND, MISPLACED = (xml.parsers.expat.errors.codes[each] for each in (
-    xml.parsers.expat.errors.XML_ERROR_UNBOUND_PREFIX, xml.parsers.expat.errors.XML_ERROR_MISPLACED_XML_PI))
+COMMENT = re.compile(r"(<!\[CDATA\[.*?\]\]>)|<!--.*?-->", re.DOTALL)
+AMPERSAND = re.compile(r"(<!\[CDATA\[.*?\]\]>)|&(?!#\d+;|#x[\da-fA-F]+;|(?:amp|lt|gt|quot|apos);)", re.DOTALL)
 MOST_FAULTS = 200  #: of one document
 Find = typing.Callable[[str], str]
 
@@ -211,18 +210,44 @@ class Reader:
 
 
 def parsed(text: str) -> ElementTree.Element:
-    """Returns the root of a document. As Gazebo's reader does, it takes prefixes of names that nothing declares, which
-    become a part of the names, a declaration that is not the first thing in it, and zero bytes at its end.
+    """Returns the root of a document, as far as readable() can mend it.
+
+    Raises: ElementTree.ParseError, ValueError: no XML.
+    """
+    return ElementTree.fromstring(readable(text))
+
+
+def readable(text: str) -> str:
+    """Returns a document that expat reads, with the same lines. As Gazebo's reader does, it takes `--` in comments, a
+    plain `&`, prefixes of names that nothing declares, which become a part of the names, a declaration that is not the
+    first thing in it, and zero bytes at its end.
 
     Raises: ElementTree.ParseError, ValueError: no XML.
     """
     text = text.rstrip("\0")
-    try:
-        return ElementTree.fromstring(text)
-    except ElementTree.ParseError as error:
-        if error.code not in (UNBOUND, MISPLACED):
-            raise
-    return ElementTree.fromstring(PREFIX.sub(r"\1\2_", DECLARATION.sub("", text)))
+    for repair in REPAIRS:
+        try:
+            ElementTree.fromstring(text)
+        except ElementTree.ParseError:
+            text = repair(text)
+        else:
+            return text
+    ElementTree.fromstring(text)
+    return text
+
+
+def without_comments(text: str) -> str:
+    """Returns a document without comments, and with `&amp;` for a `&` that begins no entity."""
+    text = COMMENT.sub(lambda found: found[1] or "\n" * found[0].count("\n"), text)
+    return AMPERSAND.sub(lambda found: found[1] or "&amp;", text)
+
+
+def without_prefixes(text: str) -> str:
+    """Returns a document without declaration, and with `a_b` for each name `a:b`."""
+    return PREFIX.sub(r"\1\2_", DECLARATION.sub("", text))
+
+
+REPAIRS = without_comments, without_prefixes  #: of what expat refuses and Gazebo's reader takes
 
 
 def text_of(path: str) -> str:
@@ -259,7 +284,8 @@ Lines = typing.Dict[int, typing.Tuple[ElementTree.Element, typing.Tuple[ElementT
 
 def by_line(text: str) -> typing.Tuple[ElementTree.Element, Lines]:
     """Returns the root of a document and its elements by the line in which they begin; the last one of a line."""
-    root = parsed(text)
+    text = readable(text)
+    root = ElementTree.fromstring(text)
     above: typing.Dict[ElementTree.Element, typing.Tuple[ElementTree.Element, ...]] = {root: ()}
     for parent in root.iter():
         above.update((child, (parent, *above[parent])) for child in parent)
