@@ -90,7 +90,8 @@ def test_the_labs_job_passes_and_fails_with_its_node(tmp_path, index):
     script = script.replace("rostest my_package", "rostest lab_head")
     foreign = ("CMAKE_PREFIX_PATH", "PYTHONPATH")
     environment = {name: value for name, value in os.environ.items() if name not in foreign}
-    for without, passes in (("false", True), ("true", False)):
+    # The jobs have the same lines: that they fail is seen with one.
+    for without, passes in (("false", True), ("true", False))[:2 - index]:
         done = subprocess.run(["bash", "-c", script], cwd=tmp_path, capture_output=True, text=True, timeout=600,
                               env={**environment, "WITHOUT_NODE": without, "ROS_MASTER_URI": "http://localhost:0"})
         assert (done.returncode == 0) is passes, done.stdout[-3000:] + done.stderr[-3000:]

@@ -1,4 +1,6 @@
+#include <exception>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "bindings.hpp"
@@ -61,6 +63,32 @@ py::array_t<T> copied(const GeometryImage& image, const std::vector<T>& values) 
   return py::array_t<T>({py::ssize_t(image.height), py::ssize_t(image.width)}, values.data());
 }
 
+/** Frames by the names of their cameras. @param wanted  name -> whether the image, whether the depth is wanted */
+py::dict takeFrames(const py::object& self, const std::vector<std::tuple<std::string, bool, bool>>& wanted) {
+  auto& world = self.cast<World&>();
+  std::vector<FrameWanted> frames;
+  for (const auto& [camera, image, depth] : wanted) frames.push_back({world.cameras().index(camera), image, depth});
+  {
+    const py::gil_scoped_release release;
+    world.takeFrames(frames);
+  }
+  py::dict taken;
+  for (const FrameWanted& frame : frames) {
+    const Camera& camera = world.cameras()[frame.camera];
+    const py::str name(world.cameras().names()[frame.camera]);
+    try {
+      if (frame.failed) std::rethrow_exception(frame.failed);
+      py::object image = py::none(), depth = py::none();
+      if (frame.image) image = viewOf(camera.image, self);
+      if (frame.geometry) depth = copied(camera.geometry, camera.geometry.depth_m);
+      taken[name] = py::make_tuple(image, depth);
+    } catch (const ArasError& error) {
+      taken[name] = py::str(error.what());
+    }
+  }
+  return taken;
+}
+
 void bindFrame(py::module_& module) {
   py::class_<PythonFrame>(module, "Frame",
                           "An image of a camera and what was true when it was exposed. Never changes,\n"
@@ -114,6 +142,14 @@ void bindFrames(py::module_& module, WorldClass& type) {
            "mono16, else\n"
            "    uint8; a read-only view without a copy, its content valid until the next render of this camera.\n"
            "Raises:\n    UnknownNameError, RenderError.");
+  type.def("take_frames", &takeFrames, py::arg("wanted"),
+           "Takes frames that are due now and draws them: as step_to_image, render and render_depth of one camera after\n"
+           "another do, with the same run hash, but large images at the same time where there are processors.\n\n"
+           "Args:\n    wanted: list of (camera, whether its image, whether its depth is wanted).\n"
+           "Returns:\n    dict of camera -> (image as of render, depth as of render_depth), each None if it is not "
+           "wanted;\n"
+           "    in their place, str, why it could not be drawn.\n"
+           "Raises:\n    UnknownNameError, ParameterError: no frame of it is due; nothing is taken then.");
   type.def(
           "render_depth",
           [](World& self, const std::string& camera) {

@@ -271,3 +271,27 @@ def test_a_driven_base_is_reset_and_restored_to_the_bit():
     assert sim.run_hash == start and fly(sim, 60) == end
     sim.reset()
     assert fly(sim, 5) == start and fly(driven(), 65) == end
+
+
+def test_frames_that_are_taken_together():
+    side = {"frame": "eye_optical_frame", "width": 400, "height": 400, "horizontal_fov_rad": 1.0, "rate_hz": 50.0}
+    cameras = [dict(side, name="a"), dict(side, name="b", encoding="mono8")]
+    together, in_turn = make(cameras=cameras), make(cameras=cameras)
+    frames = together.take_frames([("a", True, True), ("b", False, False)])
+    assert list(frames) == ["a", "b"] and frames["b"] == (None, None)
+    in_turn.step_to_image("a")
+    np.testing.assert_array_equal(frames["a"][0], in_turn.render("a"))
+    np.testing.assert_array_equal(frames["a"][1], in_turn.render_depth("a"))
+    in_turn.step_to_image("b")
+    assert together.run_hash == in_turn.run_hash
+    with pytest.raises(ParameterError, match="'a'"):
+        together.take_frames([("a", True, False)])
+    with pytest.raises(UnknownNameError):
+        together.take_frames([("nobody", True, False)])
+
+
+def test_a_frame_that_cannot_be_drawn_says_why():
+    camera = {"name": "camera", "frame": "eye_optical_frame", "width": 20000, "height": 20, "horizontal_fov_rad": 1.0,
+              "renderer": "opengl"}
+    frames = make(cameras=[camera]).take_frames([("camera", True, False)])
+    assert "20000" in frames["camera"]

@@ -23,13 +23,13 @@ def cloud_message(header, points):
 
 
 class Cameras(Outlet):
-    """Sends each image when it is due, while somebody listens.
+    """Sends each image when it is due, while somebody listens. The server draws those of all models together.
 
     Attributes: sent_ns: time of the last image that somebody listened to, int [ns]; -1: there was none.
     """
 
     def open(self):
-        self._topics, self.sent_ns = {}, -1
+        self._topics, self._due, self.sent_ns = {}, {}, -1
         for name, topics in self.model.description.cameras.items():
             if self._full(name) not in self.world.core.camera_names:
                 continue
@@ -54,45 +54,50 @@ class Cameras(Outlet):
     def next_ns(self):
         return min(map(self._due_ns, self._topics), default=NEVER_NS)
 
-    def publish(self, now_ns):
-        """To be called at every stop of the world."""
-        for name, publishers in self._topics.items():
-            if self._due_ns(name) != now_ns:
-                continue
-            self.world.core.step_to_image(self._full(name))  # takes the frame of this very tick
-            wanted = {kind: publisher for kind, publisher in publishers.items() if publisher.get_num_connections()}
+    def due(self, now_ns):
+        """What World.take_frames is to draw of the cameras whose images are due now."""
+        self._due = {name: {kind: publisher for kind, publisher in publishers.items() if publisher.get_num_connections()}
+                     for name, publishers in self._topics.items() if self._due_ns(name) == now_ns}
+        return [(self._full(name), self._image_is_wanted(name, wanted), bool({"depth", "points"} & set(wanted)))
+                for name, wanted in self._due.items()]
+
+    def _image_is_wanted(self, name, wanted):
+        depth = self.model.description.cameras[name].depth
+        return "image" in wanted or ("points" in wanted and depth.colors == name)
+
+    def send_images(self, now_ns, frames):
+        """Publishes what was due. Args: frames: what World.take_frames returned."""
+        for name, wanted in self._due.items():
             if not wanted:
                 continue
             info = self.world.core.camera_info(self._full(name))
             message = stamped(CameraInfo, now_ns, info.pop("frame_id"), **info)
-            for kind in {"info", "depth_info"} & set(publishers):
-                publishers[kind].publish(message)
-            self._send(name, wanted, message.header)
+            for kind in {"info", "depth_info"} & set(self._topics[name]):
+                self._topics[name][kind].publish(message)
+            frame = frames[self._full(name)]
+            if isinstance(frame, str):
+                rospy.logerr_throttle(10.0, "camera '%s' of model '%s': %s" % (name, self.model.name, frame))
+            elif {"image", "depth", "points"} & set(wanted):
+                self._send(name, wanted, message.header, *frame)
 
-    def _send(self, name, wanted, header):
-        if not {"image", "depth", "points"} & set(wanted):
-            return
+    def _send(self, name, wanted, header, image, depth_m):
         core, depth = self.world.core, self.model.description.cameras[name].depth
         camera = self._full(name)
-        try:
-            image = None
-            if "image" in wanted:
-                image = core.render(camera)
-                wanted["image"].publish(image_message(header, image, core.camera_encoding(camera)))
-            if depth is not None and {"depth", "points"} & set(wanted):
-                depth_m = core.render_depth(camera)
-                if "depth" in wanted:
-                    values = depth.values(depth_m)
-                    wanted["depth"].publish(image_message(header, values, "16UC1" if depth.millimetres else "32FC1"))
-                if "points" in wanted:
-                    colored = self._full(depth.colors)
-                    colors = image if image is not None and colored == camera else core.render(colored)
-                    colors = colors[..., ::-1] if core.camera_encoding(colored) == "bgr8" else colors
-                    points = depth.cloud(depth_m, core.camera_info(camera)["K"], colors)
-                    wanted["points"].publish(cloud_message(header, points))
-        except ArasError as error:
-            rospy.logerr_throttle(10.0, "camera '%s' of model '%s': %s" % (name, self.model.name, error))
-            return
+        if "image" in wanted:
+            wanted["image"].publish(image_message(header, image, core.camera_encoding(camera)))
+        if "depth" in wanted:
+            values = depth.values(depth_m)
+            wanted["depth"].publish(image_message(header, values, "16UC1" if depth.millimetres else "32FC1"))
+        if "points" in wanted:
+            colored = self._full(depth.colors)
+            try:
+                colors = image if colored == camera else core.render(colored)
+            except ArasError as error:
+                rospy.logerr_throttle(10.0, "camera '%s' of model '%s': %s" % (name, self.model.name, error))
+                return
+            colors = colors[..., ::-1] if core.camera_encoding(colored) == "bgr8" else colors
+            points = depth.cloud(depth_m, core.camera_info(camera)["K"], colors)
+            wanted["points"].publish(cloud_message(header, points))
         self.sent_ns = self.world.time_ns
 
     def time_reset(self, _now_ns):

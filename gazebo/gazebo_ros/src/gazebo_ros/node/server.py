@@ -242,13 +242,23 @@ class Server:
             self.pause(True)
             return
         self._clock.publish(Clock(stamp(self.world.time_ns)))
-        for outlet in list(self._outlets()):
+        outlets = list(self._outlets())
+        images = self._take_images([outlet for outlet in outlets if isinstance(outlet, Cameras)])
+        for outlet in outlets:
             try:
-                outlet.publish(self.world.time_ns)
+                if isinstance(outlet, Cameras):
+                    outlet.send_images(self.world.time_ns, images)
+                else:
+                    outlet.publish(self.world.time_ns)
             except Exception as error:
                 self._leave_out(outlet, error)
         if self._lockstep and self._sent_images():
             self._asked_s = time.monotonic()
+
+    def _take_images(self, cameras):
+        """Draws the images of these Cameras that are due. Returns what World.take_frames does."""
+        wanted = [each for outlet in cameras for each in outlet.due(self.world.time_ns)]
+        return self.world.core.take_frames(wanted) if wanted else {}
 
     def _sent_images(self):
         """Whether an image of the model of the lockstep went out at this time."""

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <exception>
 #include <map>
 #include <memory>
 #include <optional>
@@ -20,6 +21,7 @@
 #include "aras_visual_servo_sim/physics/touching_robots.hpp"
 #include "aras_visual_servo_sim/render/coverage_renderer.hpp"
 #include "aras_visual_servo_sim/simulation/cameras/cameras.hpp"
+#include "aras_visual_servo_sim/simulation/cameras/drawing_threads.hpp"
 #include "aras_visual_servo_sim/simulation/cameras/frame_drawer.hpp"
 #include "aras_visual_servo_sim/simulation/models/model_set.hpp"
 #include "aras_visual_servo_sim/simulation/models/models.hpp"
@@ -37,6 +39,13 @@ struct FrameState {
   Pose X_WC;                           ///< of the camera
   Twist V_WC_C = Twist::Zero();        ///< of the camera
   std::map<std::string, Pose> models;  ///< X_WM by name
+};
+
+/** What to draw of a frame that is taken, and what became of it. */
+struct FrameWanted {
+  int camera;                           ///< by index in World::cameras()
+  bool image = true, geometry = false;  ///< of which Camera has the results then
+  std::exception_ptr failed{};          ///< the RenderError of what could not be drawn, or null
 };
 
 /** An image and what was true when it was exposed. */
@@ -130,6 +139,10 @@ class World {
    *  at the tick at which a frame was taken, that frame.
    *  @return valid as long as the world; its content until the next render of this camera @throws RenderError */
   const Image& render(int camera);
+  /** Takes frames that are due and draws them: as takeFrame, render and renderGeometry of one after another do, and with
+   *  the same run hash, but large images at the same time where there are processors.
+   *  @throws ParameterError if one is not due; nothing is taken then */
+  void takeFrames(std::vector<FrameWanted>& frames);
   /** What drew images by OpenGL so far, and its version; empty if nothing did. Run hashes hold for one of these. */
   std::string openGl() const { return drawer_.openGl(); }
   /** Depth and ids of what the image of this camera shows, noise and blur apart; content until the next call for this
@@ -219,6 +232,8 @@ class World {
   void simulateSolids(Robot& robot);
   std::int64_t leaveTick(std::int64_t end);
   void advance(std::int64_t periods);
+  void requireDue(int camera) const;
+  void draw(std::vector<FrameWanted>& frames);
   void hashRobots();
   void allowLatency();
   Moment present(const Camera& camera);
@@ -265,6 +280,7 @@ class World {
   std::int64_t ticks_ = 0;  // while there are no robots
   Cameras cameras_;
   FrameDrawer drawer_;
+  DrawingThreads threads_;
   RunHash run_hash_;
   std::array<std::unique_ptr<RayScene>, 2> rays_;  // of collisions, of visuals; null: to be made anew
   std::vector<std::string> warnings_;

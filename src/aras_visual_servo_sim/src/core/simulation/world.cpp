@@ -345,12 +345,14 @@ void World::expose() {
   }
 }
 
+void World::requireDue(int camera) const {
+  if (cameras_[camera].frameDue(ticks())) return;
+  throw ParameterError("camera '" + cameras_.names()[camera] + "': no frame is due at tick " + std::to_string(ticks()));
+}
+
 std::int64_t World::takeFrame(int index) {
   Camera& camera = cameras_[index];
-  if (!camera.frameDue(ticks())) {
-    throw ParameterError("camera '" + cameras_.names()[index] + "': no frame is due at tick " +
-                         std::to_string(ticks()));
-  }
+  requireDue(index);
   expose();  // before anything of this tick is taken
   if (camera.late()) return clock_.ns(camera.takeDelivered());
   hashRobots();

@@ -48,11 +48,12 @@ void GeometryPublisher::send(const Output& output, const GeometryImage& image, c
   recording_.write(*output.tap, message);
 }
 
+bool GeometryPublisher::wanted(int camera) const { return cameras_[camera].depth.wanted() || cameras_[camera].ids.wanted(); }
+
 void GeometryPublisher::publish(int camera, const ros::Time& stamp) {
   const CameraOutput& output = cameras_[camera];
   const bool depth = output.depth.wanted(), ids = output.ids.wanted();
-  if (!depth && !ids) return;
-  const GeometryImage& image = simulation_.renderGeometry(camera);
+  const GeometryImage& image = simulation_.cameras()[camera].geometry;
   const std::string& frame = simulation_.cameras()[camera].model().config().frame;
   namespace encodings = sensor_msgs::image_encodings;
   if (depth) send(output.depth, image, image.depth_m, encodings::TYPE_32FC1, frame, stamp);

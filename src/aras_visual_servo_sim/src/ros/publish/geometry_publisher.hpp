@@ -22,6 +22,8 @@ class GeometryPublisher {
   GeometryPublisher(const ros::NodeHandle& node, Simulation& simulation, const std::vector<CameraTopics>& topics,
                     Recording& recording);
 
+  bool wanted(int camera) const;
+  /** What was drawn last of a camera. */
   void publish(int camera, const ros::Time& stamp);
 
  private:

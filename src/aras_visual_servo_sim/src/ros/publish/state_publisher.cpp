@@ -3,6 +3,7 @@
 #include <ros/console.h>
 
 #include <algorithm>
+#include <exception>
 #include <map>
 #include <utility>
 
@@ -125,15 +126,17 @@ std::vector<int> StatePublisher::publishDue() {
   if (joints_due || !exposed.empty()) publishPresentJoints(!exposed.empty());
   if (joints_due) publishControllers(stamp);
   if (!exposed.empty()) publishTarget(stamp);
+  std::vector<FrameWanted> frames;
+  for (const int camera : due) frames.push_back(wantedOf(camera));
+  simulation_.takeFrames(frames);
+  frames_ += frames.size();
+  auto frame = frames.begin();
   for (std::size_t k = 0; k < cameras_.size(); ++k) {
     const int camera = static_cast<int>(k);
     if (std::count(exposed.begin(), exposed.end(), camera)) {
       publishCamera(camera, stamp, simulation_.cameraPose(camera), simulation_.cameraTwist(camera));
     }
-    if (!std::count(due.begin(), due.end(), camera)) continue;
-    simulation_.takeFrame(camera);
-    ++frames_;
-    publishImage(camera);
+    if (frame != frames.end() && frame->camera == camera) publishImage(*frame++);
   }
   return due;
 }
@@ -220,16 +223,23 @@ void StatePublisher::publishCamera(int camera, const ros::Time& stamp, const Pos
   if (camera == 0) publishPath(stamp, pose.pose);
 }
 
-void StatePublisher::publishImage(int camera) {
+FrameWanted StatePublisher::wantedOf(int camera) const {
+  const CameraOutput& output = cameras_[camera];
+  const bool wanted = output.image_tap->open || output.image.getNumSubscribers() > 0 || output.compressed.wanted();
+  return {camera, render_always_ || wanted, geometry_.wanted(camera)};
+}
+
+void StatePublisher::publishImage(const FrameWanted& frame) {
+  const int camera = frame.camera;
   CameraOutput& output = cameras_[camera];
   const ros::Time stamp = time_.at(imageNs(camera));
   output.info_message.header.stamp = stamp;
   output.info.publish(output.info_message);
-  geometry_.publish(camera, stamp);
-  const bool wanted = output.image_tap->open || output.image.getNumSubscribers() > 0 || output.compressed.wanted();
-  if (!render_always_ && !wanted) return;
+  if (frame.geometry) geometry_.publish(camera, stamp);
+  if (!frame.image) return;
   try {
-    const Image& image = simulation_.render(camera);
+    if (frame.failed) std::rethrow_exception(frame.failed);
+    const Image& image = simulation_.cameras()[camera].image;
     // A new one each time: nodelets of this process keep it as it is.
     const auto message = boost::make_shared<sensor_msgs::Image>(output.image_format);
     message->header.stamp = stamp;
@@ -275,7 +285,14 @@ std::vector<int> StatePublisher::resume() {
     if (!simulation_.cameras()[camera].takenFrame()) {
       publishCamera(camera, stamp, simulation_.cameraPose(camera), simulation_.cameraTwist(camera));
     }
-    publishImage(camera);
+    FrameWanted frame = wantedOf(camera);
+    try {
+      if (frame.geometry) simulation_.renderGeometry(camera);
+      if (frame.image) simulation_.render(camera);
+    } catch (const ArasError&) {
+      frame.failed = std::current_exception();
+    }
+    publishImage(frame);
   }
   return taken;
 }

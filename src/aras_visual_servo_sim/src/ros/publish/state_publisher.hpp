@@ -81,7 +81,8 @@ class StatePublisher {
   void publishControllers(const ros::Time& stamp);
   void publishTarget(const ros::Time& stamp);
   void publishCamera(int camera, const ros::Time& stamp, const Pose& X_WC, const Twist& V_WC_C);
-  void publishImage(int camera);
+  FrameWanted wantedOf(int camera) const;
+  void publishImage(const FrameWanted& frame);
   void publishLate();
   void publishPath(const ros::Time& stamp, const geometry_msgs::Pose& pose);
 

@@ -198,21 +198,28 @@ CameraViews::CameraViews(const GlFunctions& gl, const CameraModel& camera, bool 
 
 CameraViews::~CameraViews() = default;
 
-const Canvas& CameraViews::singleSampled() {
-  if (!single_sampled_) {
-    const PinholeView& view = views_[0];
-    single_sampled_ =
+const Canvas& CameraViews::singleSampled(std::size_t k) {
+  single_sampled_.resize(views_.size());
+  if (!single_sampled_[k]) {
+    const PinholeView& view = views_[k];
+    single_sampled_[k] =
         std::make_unique<Canvas>(gl_, view.width, view.height, /*multisampled=*/false, fine_, /*deep=*/false);
   }
-  return *single_sampled_;
+  return *single_sampled_[k];
 }
 
 template <typename Pixel>
-void CameraViews::read(std::vector<Pixel>& image) {
-  if (readsInParts()) return canvases_[0]->read(image);
+std::vector<Pixel>& CameraViews::picture(std::size_t k, std::vector<Pixel>& image) {
+  if (readsInParts()) return image;
   auto& pictures = std::get<std::vector<std::vector<Pixel>>>(pictures_);
-  pictures.resize(canvases_.size());
-  for (std::size_t k = 0; k < canvases_.size(); ++k) canvases_[k]->read(pictures[k]);
+  pictures.resize(views_.size());
+  return pictures[k];
+}
+
+template <typename Pixel>
+void CameraViews::compose(std::vector<Pixel>& image) {
+  if (readsInParts()) return;
+  const auto& pictures = std::get<std::vector<std::vector<Pixel>>>(pictures_);
   if (lens_) {
     lens_->resample(pictures, image);
   } else {
@@ -220,7 +227,17 @@ void CameraViews::read(std::vector<Pixel>& image) {
   }
 }
 
+template <typename Pixel>
+void CameraViews::read(std::vector<Pixel>& image) {
+  for (std::size_t k = 0; k < canvases_.size(); ++k) canvases_[k]->read(picture(k, image));
+  compose(image);
+}
+
 template void CameraViews::read(std::vector<std::uint32_t>&);
 template void CameraViews::read(std::vector<std::uint64_t>&);
+template std::vector<std::uint32_t>& CameraViews::picture(std::size_t, std::vector<std::uint32_t>&);
+template std::vector<std::uint64_t>& CameraViews::picture(std::size_t, std::vector<std::uint64_t>&);
+template void CameraViews::compose(std::vector<std::uint32_t>&);
+template void CameraViews::compose(std::vector<std::uint64_t>&);
 
 }  // namespace aras_visual_servo_sim

@@ -226,8 +226,11 @@ class OpenGlRenderer::Implementation {
     const bool exact = camera.config().exact_targets && !solids.anyTransparent() && !flats.empty();
     auto& pixels = std::get<std::vector<PixelFor<Value>>>(pixels_);
     long sampled_px = 0;
-    if (flats.empty() && views.readsInParts()) {
-      sampled_px = drawInParts(scene, views, pixels);
+    if (flats.empty()) {
+      for (std::size_t k = 0; k < views.views().size(); ++k) {
+        sampled_px += drawInParts(scene, views, k, views.picture(k, pixels));
+      }
+      views.compose(pixels);
     } else {
       for (std::size_t k = 0; k < views.views().size(); ++k) {
         const PinholeView& view = views.views()[k];
@@ -253,33 +256,33 @@ class OpenGlRenderer::Implementation {
     if (exact) layTargetsOver(camera, views, out);
   }
 
-  /** Bodies and sky, several samples only where they can differ. @return how many pixels have several */
+  /** Bodies and sky of picture k, several samples only where they can differ. @return how many pixels have several */
   template <typename Pixel>
-  long drawInParts(const Scene& scene, CameraViews& views, std::vector<Pixel>& pixels) {
+  long drawInParts(const Scene& scene, CameraViews& views, std::size_t k, std::vector<Pixel>& pixels) {
     SolidPainter& solids = parts_->solids;
-    const PinholeView& view = views.views()[0];
-    const SolidPainter::Plan plan = solids.planOf(0);
+    const PinholeView& view = views.views()[k];
+    const SolidPainter::Plan plan = solids.planOf(k);
     if (plan.sky || plan.backdrop) {
       const PixelBox all{0, 0, view.width, view.height};
-      views.singleSampled().bind();
+      views.singleSampled(k).bind();
       clear(all, scene.background);
       solids.drawIn(all, plan.sampled);
       solids.drawSky(view);
-      if (plan.backdrop) solids.drawBackdrop(0, *plan.backdrop);
-      views.singleSampled().read(pixels);
+      if (plan.backdrop) solids.drawBackdrop(k, *plan.backdrop);
+      views.singleSampled(k).read(pixels);
     } else {
       const Rgb& color = scene.background;
       pixels.assign(std::size_t(view.width) * view.height, Packed<Pixel>::of(color.r, color.g, color.b));
     }
-    const Canvas& canvas = views.canvas(0);
+    const Canvas& canvas = views.canvas(k);
     canvas.bind();
     long sampled_px = 0;
     for (const auto& part : plan.sampled) {
       if (!part.filled) clear(part, scene.background);
       solids.drawIn(part);
       if (!part.filled) solids.drawSky(view);
-      solids.drawOpaque(0, part.filled ? plan.backdrop : std::nullopt);
-      solids.drawTransparent(0);
+      solids.drawOpaque(k, part.filled ? plan.backdrop : std::nullopt);
+      solids.drawTransparent(k);
       sampled_px += static_cast<long>(part.area());
     }
     for (const auto& part : plan.sampled) canvas.read(part, pixels);

@@ -32,7 +32,8 @@ double bow(const Eigen::Vector2d& from, const Eigen::Vector2d& to, const Eigen::
 
 }  // namespace
 
-void TriangleList::begin(const CameraModel& camera, const ViewVolume& volume) {
+void TriangleList::begin(const CameraModel& camera, const ViewVolume& volume, bool lit) {
+  lit_ = lit;
   camera_ = &camera;
   volume_ = &volume;
   vertices_.clear();
@@ -78,6 +79,7 @@ void TriangleList::addShape(const Shape& shape, const Pose& X_CS, const Eigen::V
   colors_.clear();
   for (std::size_t i = 0; i < mesh.points.size(); ++i) {
     points_.push_back(X_CS.p + R * mesh.points[i].cast<double>());
+    if (!lit_) continue;
     const auto light = static_cast<float>(litShare(R * mesh.normals[i].cast<double>(), light_C, points_.back()));
     colors_.push_back(light * colorOf(mesh.colors.empty() ? shape.color : mesh.colors[i]));
   }
@@ -94,8 +96,10 @@ void TriangleList::addShape(const Shape& shape, const Pose& X_CS, const Eigen::V
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (!drawn_[t]) continue;
     const auto& [i, j, k] = mesh.triangles[t];
-    facet.rgb = {colors_[i], colors_[j], colors_[k]};
-    facet.one_color = colors_[i] == colors_[j] && colors_[i] == colors_[k];
+    if (lit_) {
+      facet.rgb = {colors_[i], colors_[j], colors_[k]};
+      facet.one_color = colors_[i] == colors_[j] && colors_[i] == colors_[k];
+    }
     const std::int32_t picture = mesh.picture_of.empty() ? -1 : mesh.picture_of[t];
     facet.texture = picture < 0 ? nullptr : &mesh.pictures[picture];
     if (facet.texture) {

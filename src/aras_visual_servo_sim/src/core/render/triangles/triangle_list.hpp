@@ -17,7 +17,8 @@ namespace aras_visual_servo_sim {
  *  known of its place in the image are the tiles it may touch. */
 class TriangleList {
  public:
-  void begin(const CameraModel& camera, const ViewVolume& volume);
+  /** @param lit  whether the triangles get their colours */
+  void begin(const CameraModel& camera, const ViewVolume& volume, bool lit = true);
   /** Adds what is in view of the bodies, round shapes left out: CurvedList has them. @return false if nothing is */
   bool addBodies(const Scene& scene, const Pose& X_CW);
   /** Adds the planar models, each face slightly nearer than the faces that it is painted over. */
@@ -65,6 +66,7 @@ class TriangleList {
   void widenRows(const Eigen::Vector2d& from, const Eigen::Vector2d& to);
   void widenExtent(double margin);
 
+  bool lit_ = true;
   const CameraModel* camera_ = nullptr;
   const ViewVolume* volume_ = nullptr;
   const ViewCell* cell_ = nullptr;  // of the triangle being added

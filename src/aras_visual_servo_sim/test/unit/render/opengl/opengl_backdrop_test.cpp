@@ -241,7 +241,9 @@ TEST(OpenGlBackdrop, AMeshOfManyTrianglesIsDrawnOnce) {
   parts.add({0, 0, 60, 60});
   parts.add({200, 0, 260, 60});
   parts.add({100, 180, 160, 240});
-  parts.join({50, 50, 201, 70});
+  parts.join({50, 50, 201, 70}, 8000.0);  // joined they have 8400 pixels more
+  ASSERT_EQ(parts.parts().size(), 3u);
+  parts.join({50, 50, 201, 70}, 9000.0);
   ASSERT_EQ(parts.parts().size(), 2u);
   EXPECT_EQ(parts.parts()[1].u1, 260);
   EXPECT_EQ(parts.parts()[1].v1, 60);

@@ -1,12 +1,8 @@
-// clang-format off: the types of OpenGL's functions first, as osmesa.h brings gl.h without them
 #include "gl_context.hpp"
-// clang-format on
 
 #define EGL_NO_X11 1
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
-#include <GL/osmesa.h>
-#include <dlfcn.h>
 #include <link.h>
 #include <malloc.h>
 #include <sys/mman.h>
@@ -14,99 +10,19 @@
 
 #include <array>
 #include <cstdint>
-#include <cstdlib>
 #include <cstring>
-#include <filesystem>
-#include <mutex>
-#include <vector>
+#include <memory>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
+#include "osmesa_library.hpp"
+#include "shared_library.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
 
-/** Sets, once in a process and before Mesa reads them, what it takes from the environment, unless the user has:
- *  LP_NUM_THREADS=0, for frames are so small that they are drawn fastest in the calling thread, and
- *  MESA_SHADER_CACHE_DIR, for compiled shaders: $ROS_HOME or ~/.ros, folder aras_visual_servo. */
-void prepareMesa() {
-  static std::once_flag once;
-  std::call_once(once, [] {
-    setenv("LP_NUM_THREADS", "0", /*overwrite=*/0);
-    if (std::getenv("MESA_SHADER_CACHE_DIR")) return;
-    const char *ros_home = std::getenv("ROS_HOME"), *home = std::getenv("HOME");
-    std::filesystem::path folder = ros_home ? std::filesystem::path(ros_home)
-                                   : home   ? std::filesystem::path(home) / ".ros"
-                                            : std::filesystem::path();
-    std::error_code fault;
-    if (!folder.empty()) std::filesystem::create_directories(folder /= "aras_visual_servo", fault);
-    if (folder.empty() || fault) {
-      setenv("MESA_SHADER_CACHE_DISABLE", "true", 0);  // nowhere to keep it
-    } else {
-      setenv("MESA_SHADER_CACHE_DIR", folder.c_str(), 0);
-    }
-  });
-}
-
-/** A library that is opened at its first use and then stays: llvmpipe does not survive being closed. */
-class SharedLibrary {
- public:
-  /** @param who      for messages: what wants it, for example "gl 'egl'"
-   *  @param names    of its file, the first that can be opened is taken
-   *  @param package  Debian's that has it
-   *  @throws RenderError naming the library, the package and why it cannot be opened */
-  SharedLibrary(std::string who, const std::vector<std::string>& names, const std::string& package)
-      : who_(std::move(who)) {
-    prepareMesa();
-    for (const std::string& name : names) {
-      handle_ = dlopen(name.c_str(), RTLD_NOW | RTLD_LOCAL);
-      name_ = name;
-      if (handle_) return;
-    }
-    throw RenderError(who_ + ": " + names.front() + " cannot be opened (Debian's package " + package +
-                      "): " + dlerror() + "; renderer 'coverage' needs no library");
-  }
-
-  /** Finds a function. @throws RenderError naming it if the library has none of this name */
-  template <typename Function>
-  void find(Function& function, const char* name) const {
-    function = reinterpret_cast<Function>(dlsym(handle_, name));
-    if (!function) throw RenderError(who_ + ": " + name_ + " has no function " + name);
-  }
-
- private:
-  std::string who_, name_;
-  void* handle_ = nullptr;
-};
-
-struct OsmesaLibrary {
-  decltype(&OSMesaCreateContextAttribs) create;
-  decltype(&OSMesaDestroyContext) destroy;
-  decltype(&OSMesaMakeCurrent) make_current;
-  decltype(&OSMesaGetProcAddress) address;
-};
-
-/** Files that may hold it: the one that the environment names, else Debian's. */
-std::vector<std::string> namesOfOsmesa() {
-  if (const char* name = std::getenv("ARAS_VISUAL_SERVO_OSMESA")) return {name};
-  return {"libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so"};
-}
-
-const OsmesaLibrary& osmesaLibrary() {
-  static const OsmesaLibrary opened = [] {
-    const SharedLibrary file("renderer 'opengl'", namesOfOsmesa(), "libosmesa6");
-    OsmesaLibrary found{};
-    file.find(found.create, "OSMesaCreateContextAttribs");
-    file.find(found.destroy, "OSMesaDestroyContext");
-    file.find(found.make_current, "OSMesaMakeCurrent");
-    file.find(found.address, "OSMesaGetProcAddress");
-    return found;
-  }();
-  return opened;
-}
-
 class OsmesaContext : public GlContext {
  public:
-  OsmesaContext() : library_(osmesaLibrary()) {
+  OsmesaContext() : held_(osmesaOfThread()), library_(*held_) {
     const int wanted[] = {OSMESA_FORMAT,
                           OSMESA_RGBA,
                           OSMESA_DEPTH_BITS,
@@ -134,6 +50,7 @@ class OsmesaContext : public GlContext {
   void release() override { library_.make_current(nullptr, nullptr, 0, 0, 0); }
 
   static constexpr int kSide = 8;
+  const std::shared_ptr<const OsmesaLibrary> held_;
   const OsmesaLibrary& library_;
   OSMesaContext context_ = nullptr;
   std::array<unsigned, kSide * kSide> unused_{};  // OSMesa's own picture: everything is drawn elsewhere

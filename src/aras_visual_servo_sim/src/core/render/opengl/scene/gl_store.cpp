@@ -12,6 +12,7 @@
 
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "aras_visual_servo_sim/scene/mesh_loader.hpp"
+#include "scene/mesh/simplified.hpp"
 
 namespace aras_visual_servo_sim {
 namespace {
@@ -36,18 +37,6 @@ std::vector<std::uint32_t> clustered(const TriangleMesh& mesh, float cell) {
     if (a != b && b != c && c != a) indices.insert(indices.end(), {a, b, c});
   }
   return indices;
-}
-
-/** Whether each triangle has one normal and one colour. */
-bool isFaceted(const TriangleMesh& mesh) {
-  constexpr float kSame = 1e-6f;  // of the normals: rounding
-  return std::all_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const auto& t) {
-    const auto as_first = [&](std::uint32_t i) {
-      return (mesh.normals[i] - mesh.normals[t[0]]).cwiseAbs().maxCoeff() < kSame &&
-             (mesh.colors.empty() || mesh.colors[i] == mesh.colors[t[0]]);
-    };
-    return as_first(t[1]) && as_first(t[2]);
-  });
 }
 
 /** Whether the triangles enclose a space: along each edge as many run one way as the other. */
@@ -120,6 +109,26 @@ MeshPtr withSides(const TriangleMesh& mesh, int sides) {
   return mesh.pictures.empty() ? made : withPicture(*made, mesh.pictures.front().texture);
 }
 
+/** How many sides a round body needs so that its outline is right to 0.02 px. */
+int sidesOf(double radius_m, double px_per_m) {
+  // A side of a circle lies radius (1 - cos(pi / sides)) inside it; on a sphere sides and rings add up.
+  constexpr double kInside_px = 0.02;
+  constexpr int kFewest = 32, kMost = 512;
+  int sides = kFewest;
+  while (sides < kMost && px_per_m * radius_m * (1.0 - std::cos(M_PI / sides)) > kInside_px) sides *= 2;
+  return sides;
+}
+
+/** How far a mesh may be simplified where this many pixels are a metre: by 2^level of its size, 0: not at all. */
+int levelOf(const TriangleMesh& mesh, double px_per_m) {
+  constexpr double kError_px = 0.2;
+  constexpr std::size_t kHeavy = 500;  // triangles: fewer are drawn as they are
+  constexpr int kFinest = -16;
+  if (mesh.triangles.size() < kHeavy || !mesh.pictures.empty()) return 0;
+  const double level = std::floor(std::log2(kError_px / (px_per_m * 2.0 * mesh.radius())));
+  return level < kFinest ? 0 : static_cast<int>(std::min(level, -3.0));
+}
+
 GLint wrapOf(Wrap wrap) {
   return wrap == Wrap::kMirror ? GL_MIRRORED_REPEAT : wrap == Wrap::kClamp ? GL_CLAMP_TO_EDGE : GL_REPEAT;
 }
@@ -165,23 +174,25 @@ void GlStore::clean() {
   }
 }
 
-const GlMesh& GlStore::roundMesh(const MeshPtr& mesh, double outline_px) {
-  if (!mesh->round) return this->mesh(mesh);
-  // A side of a circle lies radius (1 - cos(pi / sides)) inside it; on a sphere sides and rings add up.
-  constexpr double kInside_px = 0.02;
-  constexpr int kFewest = 32, kMost = 512;
-  int sides = kFewest;
-  while (sides < kMost && outline_px * (1.0 - std::cos(M_PI / sides)) > kInside_px) sides *= 2;
-  return meshWith(mesh, sides);
+const GlMesh& GlStore::meshSeen(const MeshPtr& mesh, double px_per_m) {
+  if (mesh->round) return meshWith(mesh, sidesOf(mesh->radius(), px_per_m));
+  const int level = levelOf(*mesh, px_per_m);
+  if (level == 0) return this->mesh(mesh);
+  const GlMesh& seen = meshWith(mesh, level);
+  return seen.array ? seen : this->mesh(mesh);
 }
 
-GlMesh& GlStore::meshWith(const MeshPtr& mesh, int sides) {
-  GlMesh& stored = meshes_[{mesh.get(), sides}];
+GlMesh& GlStore::meshWith(const MeshPtr& mesh, int detail) {
+  GlMesh& stored = meshes_[{mesh.get(), detail}];
   if (!stored.mesh) {
     stored.mesh = mesh;
     stored.serial = ++serial_;
-    if (sides != 0) stored.drawn = withSides(*mesh, sides);
-    upload(stored);
+    if (detail > 0) stored.drawn = withSides(*mesh, detail);
+    if (detail < 0) {
+      stored.error_m = 2.0 * mesh->radius() * std::exp2(detail);
+      stored.drawn = simplified(*mesh, stored.error_m);
+    }
+    if (detail >= 0 || stored.drawn) upload(stored);
   }
   return stored;
 }

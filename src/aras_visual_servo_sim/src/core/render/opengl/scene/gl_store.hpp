@@ -31,7 +31,8 @@ struct GlOutline {
 /** A mesh in the memory of OpenGL. */
 struct GlMesh {
   MeshPtr mesh;
-  MeshPtr drawn;  ///< a finer one that is drawn in its place; null: there is none
+  MeshPtr drawn;  ///< another one that is drawn in its place; null: there is none
+  double error_m = 0.0;  ///< how far that one may be from where the mesh is
   GLuint array = 0, vertices = 0, indices = 0;
   GLsizei index_count = 0;
   bool faceted = false;  ///< each of its triangles has one normal and one colour
@@ -52,8 +53,9 @@ class GlStore {
   /** Frees what no scene has any more. */
   void clean();
   const GlMesh& mesh(const MeshPtr& mesh) { return meshWith(mesh, 0); }
-  /** The same of a round body, its outline right to 0.05 px. @param outline_px  its radius in the image */
-  const GlMesh& roundMesh(const MeshPtr& mesh, double outline_px);
+  /** The same as it has to be to look right: a round body with more sides, of many triangles fewer.
+   *  @param px_per_m  in the image, where it is nearest */
+  const GlMesh& meshSeen(const MeshPtr& mesh, double px_per_m);
   /** A mesh with fewer triangles, for its shadow. @param error_m  how far a point may be from where it is, > 0 */
   GlOutline outline(const MeshPtr& mesh, double error_m);
   /** Binds a picture to a texture unit. @param askew  seen so that a pixel covers a long strip of it
@@ -67,15 +69,16 @@ class GlStore {
     Wrap wrap_s = Wrap::kRepeat, wrap_t = Wrap::kRepeat;  // as it is bound, which OpenGL has for itself
     bool askew = false;
   };
-  /** @param sides  of a round body, 0: as it is */
-  GlMesh& meshWith(const MeshPtr& mesh, int sides);
+  /** @param detail  > 0: sides of a round body; 0: as it is; < 0: simplified by 2^detail of its size, with no array
+   *      where that is not worth while */
+  GlMesh& meshWith(const MeshPtr& mesh, int detail);
   void upload(GlMesh& stored);
   void makeArray(GLuint vertices, const std::vector<std::uint32_t>& indices, GLuint& array, GLuint& buffer);
   GLuint upload(const Texture& texture);
   void remove(const GlMesh& mesh);
 
   const GlFunctions& gl_;
-  std::map<std::pair<const TriangleMesh*, int>, GlMesh> meshes_;  // by mesh and number of sides
+  std::map<std::pair<const TriangleMesh*, int>, GlMesh> meshes_;  // by mesh and detail
   long serial_ = 0;
   std::map<const Texture*, GlPicture> pictures_;
 };

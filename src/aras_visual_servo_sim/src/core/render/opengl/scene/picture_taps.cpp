@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "solid_shader.hpp"
 
@@ -20,19 +21,28 @@ int tapsFor(double length) {
   return taps;
 }
 
-/** Of all strips in some pixels the length over the width, at most. @param n_F  the plane's normal */
+/** Length over width of the strip that a pixel sees of a plane. @param n_F  the plane's normal */
+double lengthAt(const Eigen::Vector3d& ray, const Eigen::Vector3d& n_F, const PinholeView& view) {
+  // The point of the plane n . p = 1 on a ray r = (x, y, 1) is r / (n . r); how it moves with x and y, times (n . r)^2:
+  const double slope = n_F.dot(ray);
+  const Eigen::Vector3d right = (slope * Eigen::Vector3d::UnitX() - n_F.x() * ray) / view.fx;
+  const Eigen::Vector3d down = (slope * Eigen::Vector3d::UnitY() - n_F.y() * ray) / view.fy;
+  const double a = right.squaredNorm(), b = right.dot(down), c = down.squaredNorm();
+  const double root = std::sqrt((a - c) * (a - c) + 4.0 * b * b);  // of the difference of the squared axes
+  return std::sqrt((a + c + root) / std::max(a + c - root, 1e-12 * (a + c)));
+}
+
+/** Of all strips in some pixels the length over the width, about at most. @param n_F  the plane's normal */
 double lengthIn(const PixelBox& where, const Eigen::Vector3d& n_F, double stretch, const PinholeView& view) {
-  double least = 1.0, most = -1.0, longest = 0.0;
+  double longest = 0.0, least = 1.0, most = -1.0;
   for (int k = 0; k < 4; ++k) {
     const Eigen::Vector3d ray = view.rayThroughCorner(where, k);
-    const double slope = n_F.dot(ray);  // linear in the pixels: the corners bound it
-    least = std::min(least, slope);
-    most = std::max(most, slope);
-    longest = std::max(longest, ray.squaredNorm());
+    longest = std::max(longest, lengthAt(ray, n_F, view));
+    least = std::min(least, n_F.dot(ray));
+    most = std::max(most, n_F.dot(ray));
   }
-  // Of a square pixel a ray of length l sees a strip l / cos long where it is 1 wide, cos being slope / l.
-  const double slope = std::max({least, -most, 1e-6});
-  return stretch * (std::max(view.fx, view.fy) / std::min(view.fx, view.fy)) * longest / slope;
+  const bool has_horizon = least < 0.0 && most > 0.0;
+  return has_horizon ? std::numeric_limits<double>::infinity() : stretch * longest;
 }
 
 }  // namespace

@@ -104,7 +104,7 @@ bool SolidPainter::isFilled(const Seen& seen, std::size_t backdrop, const PixelB
 
 SolidPainter::Plan SolidPainter::planOf(std::size_t view) const {
   constexpr double kWorthwhile = 0.7;   // of the pixels: beyond that, drawing the rest another way saves nothing
-  constexpr std::size_t kHeavy = 1000;  // triangles: those are not drawn for one part after another
+  constexpr double kTrianglePixels = 4.0;  // a triangle drawn once more takes as long as so many pixels
   const Seen& seen = seen_[view];
   const PixelBox all{0, 0, seen.view->width, seen.view->height};
   Plan plan;
@@ -125,7 +125,8 @@ SolidPainter::Plan SolidPainter::planOf(std::size_t view) const {
   }
   for (const std::vector<Sight>* sights : {&seen.opaque, &seen.transparent}) {
     for (const Sight& sight : *sights) {
-      if (sight.item->shape->mesh->triangles.size() > kHeavy) parts.join(sight.covered);
+      const GlMesh& mesh = store_.meshSeen(sight.item->shape->mesh, scaleOf(*sight.item, *seen.view));
+      parts.join(sight.covered, kTrianglePixels * mesh.index_count / 3);
     }
   }
   if (plan.sky || plan.backdrop) covered = all;
@@ -207,16 +208,30 @@ void SolidPainter::addShadowed(const Item& item, std::size_t k, const PinholeVie
   }
 }
 
+/** How many pixels a metre of a body has at most in a picture [px/m]. */
+double SolidPainter::scaleOf(const Item& item, const PinholeView& view) const {
+  // A body beside the axis is drawn larger, by as much as it is farther away than its depth.
+  const double depth = std::max(view.R_FC.row(2).dot(item.center_C) - item.radius, camera_->nearM());
+  double slope = std::max(1.0, item.center_C.norm() / depth) / depth;
+  if (!item.shape->mesh->round) {  // the ball about a mesh may hold the eye where its box is far
+    const Eigen::Vector3d eye_S = item.X_CS.inverse().topRightCorner<3, 1>();
+    const TriangleMesh& mesh = *item.shape->mesh;
+    const Eigen::Vector3d low = mesh.box_min.cast<double>(), high = mesh.box_max.cast<double>();
+    const double away = std::max((eye_S - eye_S.cwiseMax(low).cwiseMin(high)).norm(), camera_->nearM());
+    const auto [left, right, top, bottom] = view.border(0.0);
+    const double across = std::max(-left, right), down = std::max(-top, bottom);
+    slope = std::min(slope, (1.0 + across * across + down * down) / away);
+  }
+  return std::max(view.fx, view.fy) * slope;
+}
+
 void SolidPainter::draw(const Sight& sight, const PinholeView& view) {
   const PixelBox all = sight.covered.within(limit_);
   if (all.empty()) return;
   const Item& item = *sight.item;
   const Shape& shape = *item.shape;
   const Eigen::RowVector3d axis = view.R_FC.row(2);
-  // A body beside the axis is drawn larger, by as much as it is farther away than its depth.
-  const double depth = std::max(axis.dot(item.center_C) - item.radius, camera_->nearM());
-  const double scale = std::max(view.fx, view.fy) / depth * std::max(1.0, item.center_C.norm() / depth);
-  const GlMesh& mesh = store_.roundMesh(shape.mesh, scale * item.radius);
+  const GlMesh& mesh = store_.meshSeen(shape.mesh, scaleOf(item, view));
   gl_.BindVertexArray(mesh.array);
   if (shape.material.two_sided) {
     gl_.Disable(GL_CULL_FACE);
@@ -296,6 +311,8 @@ void SolidPainter::draw(const Item& item, const PinholeView& view, const GlMesh&
   gl_.Uniform1f(program.opacity, material.opacity < 1.0 ? static_cast<float>(material.opacity) : kUnmarked);
   gl_.Uniform3f(program.highlight, highlight.x(), highlight.y(), highlight.z());
   gl_.Uniform1f(program.shininess, static_cast<float>(material.shininess));
+  constexpr double kSlack = 2.0;  // errors of the mesh, so that it does not lie in the shadow of what it stands for
+  gl_.Uniform1f(program.slack, static_cast<float>(kSlack * mesh.error_m));
   if (part.picture) {
     const MeshPicture& picture = *part.picture;
     store_.bindPicture(picture.texture, picture.wrap_s, picture.wrap_t, false);
@@ -343,6 +360,7 @@ void SolidPainter::findUniforms(Program& program) const {
   program.opacity = at["opacity"];
   program.highlight = at["highlight"];
   program.shininess = at["shininess"];
+  program.slack = at["slack"];
   program.far_plane = at["far_plane"];
   program.picture = at["picture"];
   program.bumps = at["bumps"];

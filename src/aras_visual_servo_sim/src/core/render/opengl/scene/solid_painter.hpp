@@ -77,7 +77,7 @@ class SolidPainter {
   /** A program and where its uniforms are. */
   struct Program {
     std::unique_ptr<ShaderProgram> shader;
-    GLint projection, placed, shape_color, ambient, emissive, opacity, highlight, shininess, far_plane, picture, bumps,
+    GLint projection, placed, shape_color, ambient, emissive, opacity, highlight, shininess, slack, far_plane, picture, bumps,
         fog;
     struct OfLight {
       GLint place, axis, cone, fade, diffuse, bright, shadow_of, lift, reach, texel_of_map, map;
@@ -89,6 +89,7 @@ class SolidPainter {
   /** What a view sees of these items, and the boxes on the maps of directional lights that this takes. */
   std::vector<Sight> sightsOf(const std::vector<Item>& items, const PinholeView& view);
   /** Draws without shadows where there can be none, for they cost most of it. */
+  double scaleOf(const Item& item, const PinholeView& view) const;
   void draw(const Sight& sight, const PinholeView& view);
   /** Adds where, of a view, it can lie in the shadow that light k makes. */
   void addShadowed(const Item& item, std::size_t k, const PinholeView& view, PixelParts& parts) const;

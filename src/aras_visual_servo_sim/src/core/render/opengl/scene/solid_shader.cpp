@@ -54,7 +54,7 @@ std::string lightText(char letter, std::size_t k) {
   if (letter != kind) {
     const std::string map = "map" + std::to_string(k), texel = ", texel_of_map" + i;
     text += "      vec3 lifted = p_C + n * (lift" + i + (kind == 'd' ? "" : " * d") +
-            " * sqrt(max(0.0, 1.0 - slope * slope)));\n      vec4 at = shadow_of" + i + " * vec4(lifted, 1.0);\n";
+            " * sqrt(max(0.0, 1.0 - slope * slope)) + slack);\n      vec4 at = shadow_of" + i + " * vec4(lifted, 1.0);\n";
     text += kind == 'p'   ? "      left *= shadow_around(" + map + ", at.xyz, reach" + i + texel + ");\n"
             : kind == 'd' ? "      left *= shadow(" + map + ", at.xyz" + texel + ");\n"
                           : "      left *= shadow(" + map + ", at.xyz / at.w" + texel + ");\n";
@@ -71,7 +71,7 @@ std::string lightUniforms(std::size_t count) {
   if (count == 0) return text;
   const std::string n = "[" + std::to_string(count) + "];\n";
   return text + "uniform vec3 place" + n + "uniform vec3 diffuse" + n + "uniform vec3 bright" + n +
-         "uniform mat4 shadow_of" + n + "uniform float lift" + n;
+         "uniform mat4 shadow_of" + n + "uniform float lift" + n + "uniform float slack;\n";
 }
 
 /** What the vertex shader hands to the fragment shader. @param way  "in" or "out" */
@@ -203,7 +203,7 @@ std::string solidVertexShader(const ShaderTraits& traits) {
       continue;
     }
     text += "  whole" + i + " = " + light + "  on_map" + i + " = (shadow_of[" + i + "] * vec4(p_C + n_C * (lift[" + i +
-            "] * sqrt(max(0.0, 1.0 - " + slope + " * " + slope + "))), 1.0)).xyz;\n";
+            "] * sqrt(max(0.0, 1.0 - " + slope + " * " + slope + ")) + slack), 1.0)).xyz;\n";
   }
   if (!isOneColor(traits)) return text + "}\n";
   if (traits.clamps_light) text += "  whole = min(whole, vec3(1.0));\n";

@@ -68,14 +68,19 @@ void PixelParts::add(const PixelBox& added) {
   parts_.push_back(part);
 }
 
-void PixelParts::join(const PixelBox& part) {
+void PixelParts::join(const PixelBox& part, double saved_px) {
   PixelBox joined;
+  double area = 0.0, saved = -saved_px;
   const auto meets = [&](const PixelBox& other) { return !other.within(part).empty(); };
   for (const PixelBox& other : parts_) {
-    if (meets(other)) joined = joined.with(other);
+    if (!meets(other)) continue;
+    joined = joined.with(other);
+    area += other.area();
+    saved += saved_px;
   }
+  if (joined.empty() || joined.area() - area > saved) return;
   parts_.erase(std::remove_if(parts_.begin(), parts_.end(), meets), parts_.end());
-  if (!joined.empty()) parts_.push_back(joined);
+  parts_.push_back(joined);
 }
 
 double PixelParts::area() const {

@@ -22,8 +22,9 @@ class PixelParts {
   explicit PixelParts(const PixelBox& within) : within_(within) {}
 
   void add(const PixelBox& part);
-  /** Takes together those that share pixels with this. */
-  void join(const PixelBox& part);
+  /** Takes together those that share pixels with this, if that adds fewer pixels than it saves.
+   *  @param saved_px  by each part less */
+  void join(const PixelBox& part, double saved_px);
   const std::vector<PixelBox>& parts() const { return parts_; }
   /** Of the parts, those that overlap counted twice [px]. */
   double area() const;

@@ -1,0 +1,84 @@
+// What makes a large image cheap: fewer triangles, few taps, a library for each thread.
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "opengl_tools.hpp"
+#include "render/opengl/gl/osmesa_library.hpp"
+#include "render/opengl/scene/picture_taps.hpp"
+
+namespace aras_visual_servo_sim::testing {
+namespace {
+
+CameraModel cameraOf(int width, int height) {
+  CameraConfig config;
+  config.width = width;
+  config.height = height;
+  config.horizontal_fov_rad = 1.2;
+  config.encoding = "rgb8";
+  return CameraModel(config);
+}
+
+const Pose kDown{{0.0, 0.0, 1.0}, Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0)};
+
+TEST(OpenGlDetail, ManyTrianglesLookLikeTheBodyTheyStandFor) {
+  TriangleMesh many = *makeSphere(0.2, 400);
+  many.round.reset();
+  ASSERT_GT(many.triangles.size(), 100000u);
+  Scene round;
+  round.bodies.push_back(solid("floor", makeBox({3.0, 3.0, 0.02}), {180, 180, 180}, {0.0, 0.0, -0.3}));
+  Light sun;
+  sun.name = "sun";
+  sun.type = Light::Type::kDirectional;
+  sun.direction_W = {0.3, 0.2, -1.0};
+  round.lighting.lights = {sun};
+  round.bodies.push_back(solid("ball", makeSphere(0.2), {200, 90, 40}, {0.05, 0.03, 0.0}));
+  Scene cut = round;
+  cut.bodies[1].shapes[0].mesh = std::make_shared<TriangleMesh>(many);
+  const CameraModel camera = cameraOf(640, 480);
+  const Difference difference = differenceOf(renderOpenGl(camera, kDown, round), renderOpenGl(camera, kDown, cut));
+  EXPECT_LE(difference.inside, 6);
+  EXPECT_EQ(difference.apart, 0);
+  EXPECT_LT(std::abs(difference.mean), 0.02);
+}
+
+/** Taps of a plane that is tilted against the image, in the image's four quarters of rows. */
+std::vector<int> tapsOf(double tilt_rad) {
+  const PinholeView view = PinholeView::of(cameraOf(320, 240));
+  MeshPicture picture;
+  MeshPart part;
+  part.picture = &picture;
+  part.normal = Eigen::Vector3f::UnitZ();
+  Eigen::Matrix4d X_CS = Eigen::Matrix4d::Identity();
+  X_CS.topLeftCorner<3, 3>() = Eigen::AngleAxisd(M_PI - tilt_rad, Eigen::Vector3d::UnitX()).toRotationMatrix();
+  X_CS(2, 3) = 1.0;
+  std::vector<int> taps;
+  for (int quarter = 0; quarter < 4; ++quarter) {
+    const PixelBox rows{0, 60 * quarter, 320, 60 * quarter + 60};
+    taps.push_back(tapRowsOf(part, X_CS, view, rows, /*split=*/false).at(0).taps);
+  }
+  return taps;
+}
+
+TEST(OpenGlDetail, APictureSeenStraightOnTakesOneTapEverywhere) {
+  EXPECT_EQ(tapsOf(0.0), (std::vector<int>{1, 1, 1, 1}));
+  EXPECT_EQ(tapsOf(0.7), (std::vector<int>{2, 1, 1, 1}));
+  const std::vector<int> aslant = tapsOf(1.3);  // the horizon is in the image
+  EXPECT_EQ(*std::max_element(aslant.begin(), aslant.end()), 16);
+}
+
+TEST(OpenGlDetail, ThreadsThatDrawAtOnceHaveALibraryEach) {
+  const auto mine = osmesaOfThread();
+  EXPECT_EQ(osmesaOfThread(), mine);
+  std::shared_ptr<const OsmesaLibrary> others;
+  std::thread([&] { others = osmesaOfThread(); }).join();
+  EXPECT_EQ(others->create != mine->create, std::thread::hardware_concurrency() > 1);
+  const auto* freed = others.get();
+  others.reset();
+  std::shared_ptr<const OsmesaLibrary> next;
+  std::thread([&] { next = osmesaOfThread(); }).join();
+  EXPECT_EQ(next.get(), freed);
+}
+
+}  // namespace
+}  // namespace aras_visual_servo_sim::testing
