@@ -190,16 +190,22 @@ TEST_F(OpenGlMeshMaterial, TheSceneOrTheUrdfCountsBeforeTheFile) {
   EXPECT_EQ(opacityOf(""), 0.5);
   EXPECT_EQ(opacityOf(", material: {casts_shadows: false, ambient_share: 0.7}"), 0.5);
   EXPECT_EQ(opacityOf(", material: {opacity: 0.9}"), 0.9);
-  const auto linkOf = [&](const std::string& material) {
+  const auto linkOf = [&](const std::string& material, const std::string& gazebo = "") {
     Scene scene;
     addRobotBodies(loadRobotModel("<robot name='r'><link name='l'><visual><geometry><mesh filename='" + file +
-                                      "'/></geometry>" + material + "</visual></link></robot>",
+                                      "'/></geometry>" + material + "</visual></link>" + gazebo + "</robot>",
                                   "r"),
                    PackagePaths(), scene);
-    return scene.bodies[0].shapes[0].material.opacity;
+    return scene.bodies[0].shapes[0].material;
   };
-  EXPECT_EQ(linkOf(""), 0.5);
-  EXPECT_EQ(linkOf("<material name='m'><color rgba='1 0 0 1'/></material>"), 1.0);
+  EXPECT_EQ(linkOf("").opacity, 0.5);
+  EXPECT_FALSE(linkOf("").unlit);
+  EXPECT_EQ(linkOf("<material name='m'><color rgba='1 0 0 1'/></material>").opacity, 1.0);
+  const Material dark = linkOf("",
+                               "<gazebo reference='l'><visual><material><lighting>false</lighting></material>"
+                               "</visual></gazebo>");
+  EXPECT_TRUE(dark.unlit);
+  EXPECT_EQ(dark.opacity, 0.5);
 }
 
 }  // namespace
