@@ -74,6 +74,8 @@ MODELS = {
     "unit_cylinder": (1.0, [cylinder(0.5, 1.0, (0, 0, 0.5), GREY)]),
     "unit_sphere": (1.0, [ball(0.5, (0, 0, 0.5), GREY)]),
 }
+#: The board under calibrated cameras; saved worlds name its mesh by this path, too.
+BOARD, BOARD_MESH = "checkerboard_plane", "meshes/checkerboard_plane.dae"
 #: Beginnings of the names of models whose link has its origin in the middle of the shape, above that of the model.
 IN_THE_MIDDLE = ("wood_", "cricket_ball", "unit_", "brick_box")
 TAGS = {"box": ("size",), "cylinder": ("radius", "length"), "sphere": ("radius",)}
@@ -138,12 +140,58 @@ def document(name):
                 "".join(shape_of(number, part) for number, part in enumerate(parts))))
 
 
+def board_mesh():
+    """Returns the COLLADA text of a board of 8 x 8 squares, 2 m wide, in the plane z = 0, seen from above.
+
+    The square in the corner of least x and largest y is white. No light and no shadow changes its two colours."""
+    points, corners = [], {"white": [], "black": []}
+    for row in range(8):
+        for column in range(8):
+            x, y, first = column / 4 - 1, row / 4 - 1, len(points)
+            points += [(x, y, 0), (x + 0.25, y, 0), (x + 0.25, y + 0.25, 0), (x, y + 0.25, 0)]
+            corners["white" if (row + column) % 2 else "black"] += [first + k for k in (0, 1, 2, 0, 2, 3)]
+    effects = "".join(
+        "<effect id='%s_effect'><profile_COMMON><technique sid='common'><lambert><emission><color>%s</color></emission>"
+        "<diffuse><color>0 0 0 1</color></diffuse></lambert></technique></profile_COMMON></effect>" % (name, color)
+        for name, color in (("white", "1 1 1 1"), ("black", "0 0 0 1")))
+    materials = "".join("<material id='%s'><instance_effect url='#%s_effect'/></material>" % (name, name)
+                        for name in corners)
+    triangles = "".join(
+        "<triangles material='%s' count='%d'><input semantic='VERTEX' source='#vertices' offset='0'/><p>%s</p>"
+        "</triangles>" % (name, len(indices) // 3, " ".join(map(str, indices))) for name, indices in corners.items())
+    bound = "".join("<instance_material symbol='%s' target='#%s'/>" % (name, name) for name in corners)
+    return ("<?xml version='1.0'?>\n<COLLADA xmlns='http://www.collada.org/2005/11/COLLADASchema' version='1.4.1'>\n"
+            "<asset><unit name='meter' meter='1'/><up_axis>Z_UP</up_axis></asset>\n"
+            "<library_effects>%s</library_effects>\n<library_materials>%s</library_materials>\n"
+            "<library_geometries><geometry id='board'><mesh><source id='points'>\n<float_array id='numbers' count='%d'>"
+            "%s</float_array>\n<technique_common><accessor source='#numbers' count='%d' stride='3'>"
+            "<param name='X' type='float'/><param name='Y' type='float'/><param name='Z' type='float'/></accessor>"
+            "</technique_common></source><vertices id='vertices'><input semantic='POSITION' source='#points'/>"
+            "</vertices>\n%s</mesh></geometry></library_geometries>\n<library_visual_scenes><visual_scene id='scene'>"
+            "<node><instance_geometry url='#board'><bind_material><technique_common>%s</technique_common>"
+            "</bind_material></instance_geometry></node></visual_scene></library_visual_scenes>\n"
+            "<scene><instance_visual_scene url='#scene'/></scene>\n</COLLADA>\n" % (
+                effects, materials, 3 * len(points), " ".join("%g %g %g" % point for point in points), len(points),
+                triangles, bound))
+
+
+def texts():
+    """Returns the text of model.sdf of each model by its name."""
+    board = ("<?xml version='1.0'?>\n<sdf version='1.6'>\n  <model name='%s'>\n    <static>true</static>\n"
+             "    <link name='link'>\n      <visual name='visual'><geometry><mesh><uri>model://%s/%s</uri></mesh>"
+             "</geometry></visual>\n    </link>\n  </model>\n</sdf>\n" % (BOARD, BOARD, BOARD_MESH))
+    return {**{name: document(name) for name in MODELS}, BOARD: board}
+
+
 def write(folder):
     """Writes all models into a folder. Args: folder: pathlib.Path, is made where it is not there."""
-    for name in MODELS:
+    mesh = folder / BOARD / BOARD_MESH
+    mesh.parent.mkdir(parents=True, exist_ok=True)
+    mesh.write_text(board_mesh(), encoding="utf-8")
+    for name, text in texts().items():
         place = folder / name
         place.mkdir(parents=True, exist_ok=True)
-        (place / "model.sdf").write_text(document(name), encoding="utf-8")
+        (place / "model.sdf").write_text(text, encoding="utf-8")
         (place / "model.config").write_text(
             "<?xml version='1.0'?>\n<model>\n  <name>%s</name>\n  <version>1.0</version>\n"
             "  <sdf version='1.6'>model.sdf</sdf>\n  <description>Plain shapes in the size of the model of that name "

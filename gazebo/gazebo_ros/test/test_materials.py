@@ -128,6 +128,23 @@ def test_without_lighting_a_picture_has_its_own_colours_in_light_and_shadow(own)
     assert before[12, 20].tolist() == [0, 255, 0]
 
 
+@pytest.mark.parametrize("given, glows, told", [
+    ("<emissive>1 1 1 0</emissive>", True, []), ("<lighting>1</lighting><emissive>1 1 1 1</emissive>", True, []),
+    ("<emissive>0 0 0 1</emissive>", False, []),
+    ("<emissive>1 0.5 1 1</emissive>", False,
+     ["material 'Own/Board': <emissive> beside a picture, less than 1 1 1: ignored"])])
+def test_a_picture_that_gives_light_has_its_own_colours_and_is_not_washed_out(own, given, glows, told):
+    script = own._folder / "materials" / "scripts" / "own.material"
+    script.write_text(SCRIPT.replace("lighting off", "lighting on").replace("scroll_anim 1 0", ""))
+    world = World(folders=own)
+    world.spawn("eye", EYE, pose=matrix_of((4, 0, 1), (0, 0, 1, 0), "test"))
+    board = world.spawn_sdf("board", BOARD.replace("</script>", "</script>" + given) % "Own/Board",
+                            pose=matrix_of((2, 0, 1), (0, 0, 0, 1), "test"))
+    upper, lower = (world.core.render("eye::eye")[row, 20].astype(int) for row in (12, 28))
+    assert max(upper[0], lower[0], upper[2], lower[1]) < 10, "green above, blue below: the picture, and a highlight"
+    assert (upper[1] == lower[2] == 255) == glows and board.warnings == told
+
+
 def test_a_picture_that_is_not_there_is_named(own):
     (own._folder / "materials" / "textures" / "board.png").unlink()
     assert "material 'Own/Board': picture board.png is not found: ignored" in shown(own, "Own/Board")[1].warnings

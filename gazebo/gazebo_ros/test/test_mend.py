@@ -233,6 +233,19 @@ def test_topics_of_a_camera_are_resolved_as_a_node_handle_does(plugin, namespace
     assert (topics.image, topics.info) == (image, info)
 
 
+@pytest.mark.parametrize("sensor_hz, plugin_hz, rate_hz", [
+    (None, "25.0", 25.0), ("0", "25", 25.0), ("30", "10", 10.0), ("30", "25", 15.0), ("30", "30", 30.0),
+    ("30", "60", 30.0), ("30", "0", 30.0), ("30", None, 30.0)])
+def test_the_plugin_of_a_camera_leaves_out_images_that_come_sooner_than_its_rate(sensor_hz, plugin_hz, rate_hz):
+    text = arm(plugin="" if plugin_hz is None else "<updateRate>%s</updateRate>" % plugin_hz)
+    text = re.sub("<update_rate>.*?</update_rate>", "", text)
+    if sensor_hz is not None:
+        text = text.replace("<camera>", "<update_rate>%s</update_rate><camera>" % sensor_hz, 1)
+    sensor = ElementTree.fromstring(read_description(text, "", "arm").urdf).find(".//sensor")
+    assert float(sensor.findtext("update_rate")) == pytest.approx(rate_hz)
+    assert not any("updateRate" in line for line in spawned(text)[1].warnings)
+
+
 def test_topics_of_a_camera_that_sees_depth():
     keys = ("<cameraName>k</cameraName><depthImageTopicName>/d</depthImageTopicName><pointCloudTopicName>cloud"
             "</pointCloudTopicName><depthImageCameraInfoTopicName>/i</depthImageCameraInfoTopicName>")

@@ -2,6 +2,7 @@
 import pathlib
 import sys
 
+import numpy
 import pytest
 
 from gazebo_ros.sdf.document import NoFolders
@@ -63,3 +64,23 @@ def test_each_model_loads_and_one_with_mass_comes_to_rest_on_the_ground(folders,
     assert model.properties_of("link").mass_kg == pytest.approx(mass_kg)
     world.step(300)
     assert model.pose()[2, 3] == pytest.approx(-lowest, abs=0.01) and abs(model.twist()).max() < 0.01
+
+
+def test_the_board_has_eight_squares_an_edge_two_metres_wide_also_where_a_world_names_its_mesh(folders):
+    """The camera hangs 2 m above the middle, image x along the board's x and image y against its y."""
+    camera = """<model name="camera"><static>1</static><pose>0 0 2 0 1.5707963267948966 1.5707963267948966</pose>
+<link name="l"><sensor type="camera" name="eye"><update_rate>1</update_rate><camera>
+<horizontal_fov>1.0471975511965976</horizontal_fov><image><width>240</width><height>240</height></image></camera>
+<plugin name="p" filename="libgazebo_ros_camera.so"><cameraName>eye</cameraName></plugin></sensor></link></model>"""
+    mesh = """<model name="saved"><static>1</static><link name="a::b"><visual name="v"><geometry><mesh>
+<uri>model://checkerboard_plane/meshes/checkerboard_plane.dae</uri></mesh></geometry></visual></link></model>"""
+    for board in ("<include><uri>model://checkerboard_plane</uri><pose>0 0 0.001 0 0 0</pose></include>",
+                  mesh.replace("<static>", "<pose>0 0 0.001 0 0 0</pose><static>")):
+        world = filled(folders, board + camera)
+        image = world.core.render("camera::eye")[..., 0].astype(int)
+        edge_px = 120 / numpy.tan(numpy.pi / 6) / 2 / 4  # of one square
+        middles = numpy.rint(119.5 + edge_px * (numpy.arange(-4, 4) + 0.5)).astype(int)
+        seen = image[numpy.ix_(middles, middles)]
+        white = numpy.add.outer(numpy.arange(8), numpy.arange(8)) % 2 == 0
+        assert (seen[white] > 250).all() and (seen[~white] < 5).all()
+        assert 100 < image[119, 5] < 250, "the ground beside it"

@@ -107,8 +107,31 @@ def resolve_scripts(robot, folders, warnings):
                     for key in ("ambient", "diffuse"):  # the picture says it
                         for old in material.findall(key):
                             material.remove(old)
+                    warnings += light_of_its_own(material, name)
                 else:
                     warnings.append("material '%s': picture %s is not found: ignored" % (name, described.texture))
+
+
+def light_of_its_own(material, name):
+    """Turns <emissive> of a material with a picture into what Gazebo draws. Returns warnings.
+
+    Gazebo multiplies the picture by the sum of all light that it gets and gives, 1 at most. A picture that gives 1 of
+    every colour is therefore drawn in its own colours, in light and shadow. The simulator would add to the picture.
+    """
+    given = material.find("emissive")
+    if given is None:
+        return []
+    material.remove(given)
+    try:
+        shares = [float(word) for word in (given.text or "").split()][:3]
+    except ValueError:
+        shares = []
+    if len(shares) == 3 and min(shares) >= 1.0:
+        lighting = material.find("lighting")
+        (ElementTree.SubElement(material, "lighting") if lighting is None else lighting).text = "false"
+    elif any(shares) and (material.findtext("lighting") or "true").strip() not in ("0", "false", "False"):
+        return ["material '%s': <emissive> beside a picture, less than 1 1 1: ignored" % name]
+    return []
 
 
 def material_named(name, places):

@@ -1,4 +1,5 @@
 """Camera sensors of a URDF as SDF describes them: what is missing gets SDF's defaults, what is wrong too."""
+import math
 import typing
 import xml.etree.ElementTree as ElementTree
 
@@ -20,6 +21,7 @@ OF_PLUGIN = ("updateRate", "Cx", "Cy", "CxPrime", "focalLength", "hackBaseline",
 FLAGS = ("autoDistortion", "borderCrop")
 YES_OR_NO = ("true", "True", "1", "false", "False", "0")
 LARGEST_RATE_HZ = 1e6
+THROTTLED = "libgazebo_ros_camera.so"  #: the plugin whose <updateRate> leaves images out
 LARGEST_NOISE = 1.0   #: of intensities 0 .. 1
 LARGEST_VALUE = 1e6   #: of what a plugin says
 
@@ -64,6 +66,21 @@ def _mend_camera(sensor: ElementTree.Element, what: str, warnings: Warnings) -> 
                 if (element.text or "").strip() not in YES_OR_NO:
                     plugin.remove(element)
                     warnings.append(told("key", "%s: plugin: <%s>" % (what, key), "'%s'" % _text(element)))
+        if plugin.get("filename", "").endswith(THROTTLED):
+            _throttle(sensor, plugin)
+
+
+def _throttle(sensor: ElementTree.Element, plugin: ElementTree.Element) -> None:
+    """Lowers <update_rate> to the images that the plugin publishes.
+
+    The plugin leaves out images that come sooner after its last one than 1 / <updateRate>
+    (GazeboRosCamera::OnNewFrame); 0 leaves out none. A sensor without <update_rate> draws as often as it can.
+    """
+    most_hz, drawn_hz = float(plugin.findtext("updateRate") or 0.0), float(sensor.findtext("update_rate") or 0.0)
+    if 0.0 < drawn_hz <= most_hz or most_hz <= 0.0:
+        return
+    rate_hz = drawn_hz / math.ceil(drawn_hz / most_hz - 1e-9) if drawn_hz > 0.0 else most_hz
+    _made(sensor, "update_rate").text = repr(rate_hz)
 
 
 def _complete(camera: ElementTree.Element, wide: bool, what: str, warnings: typing.Optional[Warnings]) -> None:

@@ -52,6 +52,7 @@ void addShapes(const Visual& visual, MeshCache& meshes, Body& body) {
     Material own = isPlain(part.material) ? material : part.material;
     own.ambient_share = material.ambient_share;  // which files do not say
     own.ambient = material.ambient;
+    own.unlit = own.unlit || material.unlit;
     body.shapes.push_back({X_BS, shared(part.mesh), color, own});
   }
 }

@@ -45,10 +45,10 @@ TEST(GazeboVisual, ColoursReplaceThoseOfTheNamedMaterial) {
 }
 
 TEST(GazeboVisual, WhatIsNotUsedIsNamedAndWhatIsNoColourRefused) {
-  const std::string warnings = allOf(robotWith(R"(<visual><laser_retro>1</laser_retro><material><lighting>1</lighting>
+  const std::string warnings = allOf(robotWith(R"(<visual><laser_retro>1</laser_retro><material><shader>1</shader>
     <script><name>Own/Marble</name></script></material></visual>)")
                                          .warnings);
-  for (const char* name : {"laser_retro", "lighting", "Own/Marble"}) {
+  for (const char* name : {"laser_retro", "shader", "Own/Marble"}) {
     EXPECT_NE(warnings.find(name), std::string::npos) << warnings;
   }
   EXPECT_THROW(robotWith("<visual><material><diffuse>red</diffuse></material></visual>"), ModelError);

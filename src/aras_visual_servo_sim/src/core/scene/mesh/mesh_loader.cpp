@@ -267,6 +267,12 @@ Material materialOf(const aiMaterial& from, bool collada) {
     to.shininess = std::clamp(static_cast<double>(shininess), 0.0, kMostShininess);
   }
   to.emissive = colorOf(from, AI_MATKEY_COLOR_EMISSIVE);
+  // Added to a picture, the most light that there can be leaves nothing of it: such files mean a picture that no light
+  // shines on, and Gazebo draws it so.
+  if (from.GetTextureCount(aiTextureType_DIFFUSE) > 0 && to.emissive.minCoeff() >= 1.0) {
+    to.emissive.setZero();
+    to.unlit = true;
+  }
   float opacity = 1.0f;
   // Nobody makes a thing that cannot be seen: files with 0 are those of exporters that meant a transparency of 0.
   if (from.Get(AI_MATKEY_OPACITY, opacity) == AI_SUCCESS && opacity > 0.0f) {
@@ -337,13 +343,14 @@ class MeshFile {
 
 bool same(const Material& a, const Material& b) {
   return a.specular == b.specular && a.shininess == b.shininess && a.emissive == b.emissive && a.opacity == b.opacity &&
-         a.two_sided == b.two_sided;
+         a.two_sided == b.two_sided && a.unlit == b.unlit;
 }
 
 }  // namespace
 
 bool isPlain(const Material& material) {
-  return material.specular.isZero() && material.emissive.isZero() && material.opacity == 1.0 && !material.two_sided;
+  return material.specular.isZero() && material.emissive.isZero() && material.opacity == 1.0 && !material.two_sided &&
+         !material.unlit;
 }
 
 MeshPtr loadMesh(const std::string& path, const Eigen::Vector3d& scale, const PackagePaths& packages) {

@@ -1,5 +1,6 @@
 // Materials of mesh files, against the same material of a shape.
 #include <gtest/gtest.h>
+#include <stb/stb_image_write.h>
 
 #include "aras_visual_servo_sim/robot/urdf_loader.hpp"
 #include "aras_visual_servo_sim/scene/mesh_loader.hpp"
@@ -117,6 +118,30 @@ TEST_F(OpenGlMeshMaterial, OfColladaAreHighlightsOwnLightOpacityAndBacks) {
   EXPECT_EQ(seen(sceneOf(plainOf(two_sided)), below).pixel(160, 120)[0], 0);
 }
 
+TEST_F(OpenGlMeshMaterial, OfAPictureThatGivesTheMostLightIsThePicture) {
+  const std::vector<std::uint8_t> rgb{100, 200, 50};
+  stbi_write_png(path("c.png").c_str(), 1, 1, 3, rgb.data(), 3);
+  const std::string plate = write("pictured.obj",
+                                  "mtllib pictured.mtl\nv -0.5 -0.5 0\nv 0.5 -0.5 0\nv 0.5 0.5 0\nv -0.5 0.5 0\n"
+                                  "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvn 0 0 1\nusemtl m\nf 1/1/1 2/2/1 3/3/1\n"
+                                  "f 1/1/1 3/3/1 4/4/1\n");
+  const auto made = [&](const std::string& keys) {
+    write("pictured.mtl", "newmtl m\nKd 1 1 1\n" + keys + "\n");
+    return bodyOf(plate);
+  };
+  const Body glowing = made("Ke 1 1 1\nmap_Kd c.png");
+  Scene scene = sceneOf(glowing);
+  for (const double ambient : {0.0, 0.5}) {
+    scene.lighting.ambient.setConstant(ambient);
+    const Image image = seen(scene);
+    for (int c = 0; c < 3; ++c) EXPECT_EQ(image.pixel(160, 120)[c], rgb[c]) << ambient;
+    scene.lighting.lights.clear();
+  }
+  EXPECT_EQ(made("Ke 1 1 0.5\nmap_Kd c.png").shapes[0].material.emissive, Eigen::Vector3d(1.0, 1.0, 0.5));
+  EXPECT_FALSE(made("Ke 1 1 0.5\nmap_Kd c.png").shapes[0].material.unlit);
+  EXPECT_EQ(made("Ke 1 1 1").shapes[0].material.emissive, Eigen::Vector3d::Ones());
+}
+
 TEST_F(OpenGlMeshMaterial, OfAThingThatNobodyCouldSeeIsOpaque) {
   const Body body =
       bodyOf(collada("<lambert>" + std::string(kGrey) + "<transparent><color>1 1 1 1</color></transparent>" +
@@ -165,16 +190,22 @@ TEST_F(OpenGlMeshMaterial, TheSceneOrTheUrdfCountsBeforeTheFile) {
   EXPECT_EQ(opacityOf(""), 0.5);
   EXPECT_EQ(opacityOf(", material: {casts_shadows: false, ambient_share: 0.7}"), 0.5);
   EXPECT_EQ(opacityOf(", material: {opacity: 0.9}"), 0.9);
-  const auto linkOf = [&](const std::string& material) {
+  const auto linkOf = [&](const std::string& material, const std::string& gazebo = "") {
     Scene scene;
     addRobotBodies(loadRobotModel("<robot name='r'><link name='l'><visual><geometry><mesh filename='" + file +
-                                      "'/></geometry>" + material + "</visual></link></robot>",
+                                      "'/></geometry>" + material + "</visual></link>" + gazebo + "</robot>",
                                   "r"),
                    PackagePaths(), scene);
-    return scene.bodies[0].shapes[0].material.opacity;
+    return scene.bodies[0].shapes[0].material;
   };
-  EXPECT_EQ(linkOf(""), 0.5);
-  EXPECT_EQ(linkOf("<material name='m'><color rgba='1 0 0 1'/></material>"), 1.0);
+  EXPECT_EQ(linkOf("").opacity, 0.5);
+  EXPECT_FALSE(linkOf("").unlit);
+  EXPECT_EQ(linkOf("<material name='m'><color rgba='1 0 0 1'/></material>").opacity, 1.0);
+  const Material dark = linkOf("",
+                               "<gazebo reference='l'><visual><material><lighting>false</lighting></material>"
+                               "</visual></gazebo>");
+  EXPECT_TRUE(dark.unlit);
+  EXPECT_EQ(dark.opacity, 0.5);
 }
 
 }  // namespace
