@@ -4,7 +4,7 @@ import dataclasses
 import rospkg
 
 #: What is asked for, in the order of the table.
-KINDS = ("package", "file", "program", "syntax", "python 2", "module", "xacro", "plugin", "model", "mesh")
+KINDS = ("package", "file", "program", "nodelet", "syntax", "python 2", "module", "xacro", "plugin", "model", "mesh")
 #: Beginnings of the names of packages and modules, and what they belong to.
 KNOWN = (("moveit", "MoveIt, which Debian 12 does not have: launch files and nodes that plan with it do not run"),
          ("ompl", "OMPL's planners, part of MoveIt"), ("rosbridge", "rosbridge_suite: not in Debian 12"),

@@ -14,6 +14,7 @@ from ..node.program import EMPTY, parsed
 from . import descriptions
 from .findings import Finding, advice_for
 from .lined import Lined
+from .nodelets import Nodelets
 
 XACRO_S = 60.0  #: wall time that xacro may take for a file
 PASSING = re.compile("xacro: in-order processing|.*[Ww]arning:|when |instantiated from|in file:|Traceback| ")
@@ -30,6 +31,7 @@ class Launch:
         """Args: folders: Folders; their environment is changed by <env>."""
         self.findings, self.packages = [], {}
         self._folders, self._rospack, self._seen = folders, rospkg.RosPack(), set()
+        self._nodelets = Nodelets(self._rospack)
 
     def walk(self, path, arguments):
         """Looks at a launch file and at what it includes. Args: arguments: dict of <arg>s that it is given."""
@@ -146,6 +148,13 @@ class Launch:
             self._world(parsed(words)[0], where)
         elif package == "gazebo_ros" and kind == "spawn_model":
             self._spawned(words, where)
+        elif package == "nodelet" and kind == "nodelet":
+            self._nodelet(words, where)
+
+    def _nodelet(self, words, where):
+        fault = self._nodelets.fault(words)
+        if fault is not None:
+            self._add("nodelet", fault[0], where, advice_for(fault[0]) or fault[1])
 
     def _world(self, name, where):
         path = self._folders.resource(name) if name else None
