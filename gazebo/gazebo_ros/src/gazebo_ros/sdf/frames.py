@@ -31,16 +31,19 @@ class Frames:
         self._add(model, "")
 
     def _add(self, model, scope):
-        for kind, parts in (("link", self.links), ("joint", self.joints), ("frame", self._others),
-                            ("model", self.models)):
-            for element in model.findall(kind):
-                name = scope + element.get("name", "")
-                if name in parts:
-                    self._warnings.append("<%s name='%s'>: is there twice: the second is ignored" % (kind, name))
-                    continue
-                parts[name] = Part(name, element, scope)
-                if kind == "model":
-                    self._add(element, name + "::")
+        """In the order of the document, in which sdformat's addNestedModel puts what a model includes."""
+        kinds = {"link": self.links, "joint": self.joints, "frame": self._others, "model": self.models}
+        for element in model:
+            parts = kinds.get(element.tag)
+            name = scope + element.get("name", "")
+            if parts is None:
+                continue
+            if name in parts:
+                self._warnings.append("<%s name='%s'>: is there twice: the second is ignored" % (element.tag, name))
+                continue
+            parts[name] = Part(name, element, scope)
+            if element.tag == "model":
+                self._add(element, name + "::")
 
     def pose(self, name, under=()):
         """X_MA of a link, joint, frame or nested model A, (4, 4). What is not there counts as the model itself."""
