@@ -1,9 +1,12 @@
 """Materials of a package's own scripts, written for the renderer OGRE: the colours and the picture of each."""
 import dataclasses
+import math
 import os
 import re
 import typing
 import xml.etree.ElementTree as ElementTree
+
+import numpy
 
 from .document import found
 
@@ -11,7 +14,7 @@ from .document import found
 SCRIPTED = "script: "
 COLORS = ("ambient", "diffuse", "specular", "emissive")
 #: Keywords that open a part, or say nothing that is drawn differently here.
-QUIET = {"technique", "pass", "texture_unit", "texture", "receive_shadows", "tex_address_mode", "filtering",
+QUIET = {"technique", "pass", "texture_unit", "texture", "receive_shadows", "filtering",
          "max_anisotropy", "mipmap_bias", "tex_coord_set", "colour_op", "{", "}"}
 PICTURES = (".png", ".jpg", ".jpeg", ".tga", ".bmp")
 
@@ -24,24 +27,44 @@ class Material:
     specular: typing.Optional[list] = None
     emissive: typing.Optional[list] = None
     texture: str = ""     #: name of the picture's file, as written
+    scale: tuple = (1.0, 1.0)   #: width and height of the picture on the surface; below 1 it repeats
+    scroll: tuple = (0.0, 0.0)  #: shares of the picture by which it lies further left and further up
+    rotate: float = 0.0         #: degrees, about the middle of the picture
+    address: str = "wrap"       #: what lies beyond the picture's edges
     lit: bool = True      #: False: drawn in its own colour, without light and shadow
     ignored: tuple = ()   #: keywords
 
+    def texture_transform(self) -> typing.Optional[numpy.ndarray]:
+        """Returns (2, 3): (s, t) of the surface, right and down, to those of the picture; None: they are the same.
+
+        Scale, then scroll, then rotate, scale and rotate about the middle: TextureUnitState::recalcTextureMatrix.
+        """
+        if (self.scale, self.scroll, self.rotate) == ((1.0, 1.0), (0.0, 0.0), 0.0):
+            return None
+        cos, sin = math.cos(math.radians(self.rotate)), math.sin(math.radians(self.rotate))
+        turn = numpy.array(((cos, -sin), (sin, cos)))
+        A = turn @ numpy.diag(1.0 / numpy.array(self.scale))
+        return numpy.column_stack((A, 0.5 - A @ (0.5, 0.5) + turn @ self.scroll))
+
 
 def read_script(text):
-    """dict of name -> Material. What is no material is passed over; of a material's passes the first counts."""
+    """dict of name -> Material. What is no material is passed over; of a material's passes the first counts, and of
+    the texture units of this."""
     text = re.sub(r"/\*.*?\*/", " ", text, flags=re.DOTALL)
-    materials, name, depth, passes = {}, None, 0, 0
+    materials, name, depth, passes, units, unit_depth = {}, None, 0, 0, 0, 0
     for line in lines_of(text):
         words = line.split()
         keyword = words[0]
         if depth == 0 and keyword == "material" and len(words) > 1:
-            name, passes = words[1], 0
+            name, passes, units = words[1], 0, 0
             parent = words[3] if len(words) > 3 and words[2] == ":" else ""
             materials[name] = materials.get(parent, Material())
         elif depth > 0 and name is not None:
             passes += keyword == "pass"
-            if passes < 2:
+            if keyword == "texture_unit":
+                units, unit_depth = units + 1, depth
+            later = units > 1 and depth > unit_depth and materials[name].texture
+            if passes < 2 and not later:
                 materials[name] = told(materials[name], keyword, words[1:])
         depth += (keyword == "{") - (keyword == "}")
         name = None if depth == 0 and keyword == "}" else name
@@ -64,7 +87,14 @@ def told(material, keyword, words):
         if len(numbers) >= 3 and None not in numbers[:3]:
             return dataclasses.replace(material, **{keyword: numbers[:min(count, 4)]})
     if keyword == "texture" and words:
-        return dataclasses.replace(material, texture=material.texture or words[0].strip('"'))
+        return dataclasses.replace(material, texture=words[0].strip('"'))
+    if keyword in ("scale", "scroll", "rotate"):
+        numbers = [number_of(word) for word in words]
+        if None not in numbers and len(numbers) == (1 if keyword == "rotate" else 2) and (
+                keyword != "scale" or all(numbers)):
+            return dataclasses.replace(material, **{keyword: tuple(numbers) if len(numbers) > 1 else numbers[0]})
+    if keyword == "tex_address_mode" and words:
+        return dataclasses.replace(material, address=" ".join(words))
     if keyword == "lighting" and words:
         return dataclasses.replace(material, lit=words[0] != "off")
     if keyword in QUIET or keyword in material.ignored:
@@ -72,11 +102,13 @@ def told(material, keyword, words):
     return dataclasses.replace(material, ignored=(*material.ignored, keyword))
 
 
-def number_of(word):
+def number_of(word: str) -> typing.Optional[float]:
+    """Returns a finite number, None of anything else."""
     try:
-        return float(word)
+        number = float(word)
     except ValueError:
         return None
+    return number if math.isfinite(number) else None
 
 
 def resolve_scripts(robot, folders, warnings):
@@ -104,6 +136,13 @@ def resolve_scripts(robot, folders, warnings):
                 picture = picture_named(described.texture, places)
                 if picture:
                     set_picture(robot, gazebo.get("reference"), look.get("name"), name, picture)
+                    transform = described.texture_transform()
+                    if transform is not None:
+                        ElementTree.SubElement(material, "texture_transform").text = " ".join(
+                            repr(float(value)) for value in transform.ravel())
+                        if set(described.address.split()) != {"wrap"}:
+                            warnings.append("material '%s': tex_address_mode %s: its picture repeats" %
+                                            (name, described.address))
                     for key in ("ambient", "diffuse"):  # the picture says it
                         for old in material.findall(key):
                             material.remove(old)
