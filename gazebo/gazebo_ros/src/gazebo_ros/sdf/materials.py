@@ -8,7 +8,7 @@ import xml.etree.ElementTree as ElementTree
 
 import numpy
 
-from .document import found
+from .document import NoFolders, found
 
 #: Begins the name of a URDF material whose picture a script gives.
 SCRIPTED = "script: "
@@ -47,7 +47,7 @@ class Material:
         return numpy.column_stack((A, 0.5 - A @ (0.5, 0.5) + turn @ self.scroll))
 
 
-def read_script(text):
+def read_script(text: str) -> typing.Dict[str, Material]:
     """dict of name -> Material. What is no material is passed over; of a material's passes the first counts, and of
     the texture units of this."""
     text = re.sub(r"/\*.*?\*/", " ", text, flags=re.DOTALL)
@@ -71,7 +71,7 @@ def read_script(text):
     return materials
 
 
-def lines_of(text):
+def lines_of(text: str) -> typing.Iterator[str]:
     """Lines that say something, a brace on a line of its own."""
     for line in text.splitlines():
         for part in re.split(r"([{}])", line.partition("//")[0]):
@@ -79,7 +79,7 @@ def lines_of(text):
                 yield part.strip()
 
 
-def told(material, keyword, words):
+def told(material: Material, keyword: str, words: typing.List[str]) -> Material:
     """The material with what a line says of it."""
     if keyword in COLORS:
         numbers = [each for each in map(number_of, words[:4])]
@@ -111,7 +111,7 @@ def number_of(word: str) -> typing.Optional[float]:
     return number if math.isfinite(number) else None
 
 
-def resolve_scripts(robot, folders, warnings):
+def resolve_scripts(robot: ElementTree.Element, folders: NoFolders, warnings: typing.List[str]) -> None:
     """Puts what scripts say in the place of their names, in the <gazebo> tags of a URDF.
 
     Args:
@@ -150,7 +150,7 @@ def resolve_scripts(robot, folders, warnings):
                     warnings.append("material '%s': picture %s is not found: ignored" % (name, described.texture))
 
 
-def material_named(name, places):
+def material_named(name: str, places: typing.List[str]) -> typing.Optional[Material]:
     """Material of the first script in these files and folders that has it; None: nowhere."""
     for place in places if name else ():
         files = [place] if place.endswith(".material") else [
@@ -164,7 +164,7 @@ def material_named(name, places):
     return None
 
 
-def picture_named(name, places):
+def picture_named(name: str, places: typing.List[str]) -> str:
     """Whole path of a picture in these folders, or in textures/ beside them; "" if it is nowhere."""
     if not name.lower().endswith(PICTURES):
         return ""
@@ -176,7 +176,7 @@ def picture_named(name, places):
     return ""
 
 
-def apply(described, name, material):
+def apply(described: Material, name: str, material: ElementTree.Element) -> None:
     """Gives a <material> the colours that it does not state itself, and whether lights shine on it."""
     if not described.lit and material.find("lighting") is None:
         ElementTree.SubElement(material, "lighting").text = "false"
@@ -186,7 +186,8 @@ def apply(described, name, material):
             ElementTree.SubElement(material, key).text = " ".join(map(repr, color))
 
 
-def set_picture(robot, link, visual, name, picture):
+def set_picture(robot: ElementTree.Element, link: typing.Optional[str], visual: typing.Optional[str], name: str,
+                picture: str) -> None:
     """Puts a picture on a <visual> of a link, or on all of them if it has no name."""
     for element in robot.findall("link"):
         for shown in element.findall("visual") if element.get("name") == link else ():
@@ -197,7 +198,7 @@ def set_picture(robot, link, visual, name, picture):
                 ElementTree.SubElement(made, "texture", filename="file://" + picture)
 
 
-def painted(xml, folders):
+def painted(xml: str, folders: NoFolders) -> typing.Tuple[str, typing.List[str]]:
     """A URDF with what scripts of materials say in their place, and a list of what is ignored of them."""
     if "<script" not in xml:
         return xml, []
@@ -210,7 +211,7 @@ def painted(xml, folders):
     return ElementTree.tostring(robot, encoding="unicode"), warnings
 
 
-def with_transmissions(urdf, described):
+def with_transmissions(urdf: str, described: str) -> str:
     """A URDF with the <transmission>s that another one has of its joints."""
     if not described:
         return urdf
