@@ -248,7 +248,7 @@ def test_a_path_of_another_machine_is_found_in_the_package_that_it_names(tmp_pat
         def __call__(self, name):
             return str(tmp_path / name) if (tmp_path / name).is_dir() else None
 
-    for place in ("/opt/ros/melodic/share/arm", "file:///home/somebody/ws/src/arm"):
+    for place in ("/opt/ros/melodic/share/arm", "file:///home/Somebody/ws/src/arm"):
         assert found(place + "/meshes/base.stl", Packages()) == str(mesh)
         assert found(place + "/meshes/other.stl", Packages()) == ""
     assert found("/meshes/base.stl", Packages()) == "" and found(str(mesh), NoFolders()) == str(mesh)

@@ -14,7 +14,7 @@ SYSTEM = ("/usr/lib", "/usr/lib/*-linux-gnu")  #: where Debian's libraries are, 
 class Nodelets:
     """What nodelet's loader finds: classes in the files that packages export to `nodelet`."""
 
-    def __init__(self, packages: rospkg.RosPack):
+    def __init__(self, packages: rospkg.RosPack) -> None:
         """Args: packages: finds the packages."""
         self._packages = packages
 
