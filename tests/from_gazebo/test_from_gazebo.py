@@ -1,4 +1,4 @@
-"""A robot package written for Gazebo Classic and ros_control, against sim.launch alone (docs/from_gazebo.md)."""
+"""A robot package for Gazebo Classic and ros_control, against sim.launch alone (docs/from_gazebo_reference.md)."""
 
 import pathlib
 import signal

@@ -11,6 +11,7 @@ down, where they see the ground, shadows and other arms.
 import argparse
 import os
 import time
+import typing
 
 from gazebo_ros.world.poses import matrix_of
 from gazebo_ros.world.world import World
@@ -40,7 +41,7 @@ END = """<transmission name='t%d'><joint name='j%d'><hardwareInterface>EffortJoi
 PITCH_RAD = {"sky": -1.57, "ground": 0.6}
 
 
-def arm(camera):
+def arm(camera: str) -> str:
     """A URDF of an arm of the size of a man's, its links boxes that collide.
 
     Args:
@@ -65,7 +66,7 @@ CONTROLLER = {"type": "effort_controllers/JointTrajectoryController", "joints": 
               "gains": {name: {"p": 2000.0, "i": 10.0, "d": 50.0, "i_clamp": 20.0} for name in NAMES}}
 
 
-def come(world, k, camera):
+def come(world: World, k: int, camera: str) -> None:
     """One more arm, which begins to move."""
     simulation = world.spawn("arm%d" % k, arm(camera), "/arm%d" % k,
                              matrix_of((1.5 * (k % 5), 2.0 * (k // 5), 0.0), (0, 0, 0, 1), "bench")).simulation
@@ -75,7 +76,7 @@ def come(world, k, camera):
     simulation.pursue_trajectory("arm", NAMES, points)
 
 
-def run(world, seconds, camera):
+def run(world: World, seconds: float, camera: str) -> None:
     """Steps as the server does, with a stop for the clock and at every image."""
     end_ns = world.time_ns + round(1e9 * seconds)
     while world.time_ns < end_ns:
@@ -88,14 +89,14 @@ def run(world, seconds, camera):
                 world.core.render(name + "::eye")
 
 
-def cpu_s(work, *arguments):
+def cpu_s(work: typing.Callable[..., typing.Any], *arguments: typing.Any) -> float:
     """User CPU seconds of this process that a call takes."""
     before = time.process_time()
     work(*arguments)
     return time.process_time() - before
 
 
-def main():
+def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--arms", type=int, default=10)
     parser.add_argument("--seconds", type=float, default=2.0, help="simulated")

@@ -6,28 +6,31 @@ name; the shapes are plain and the colours our own. A model is a folder with mod
 import math
 import pathlib
 import sys
+import typing
 
+#: Shape, sizes, position of its middle, colour.
+Part = typing.Tuple[str, typing.Sequence[float], typing.Sequence[float], typing.Sequence[float]]
 WOOD, GREY, WHITE = (0.55, 0.39, 0.22), (0.7, 0.7, 0.7), (0.95, 0.95, 0.95)
 RED, BROWN, ORANGE, BRICK = (0.75, 0.1, 0.1), (0.66, 0.5, 0.3), (0.95, 0.4, 0.05), (0.6, 0.25, 0.2)
 METAL, GREEN = (0.5, 0.52, 0.55), (0.15, 0.35, 0.2)
 
 
-def box(size, at, color):
+def box(size: typing.Sequence[float], at: typing.Sequence[float], color: typing.Sequence[float]) -> Part:
     """Returns a part: edges [m], position of its middle [m] and colour (0 .. 1)."""
     return "box", tuple(size), tuple(at), color
 
 
-def cylinder(radius, length, at, color):
+def cylinder(radius: float, length: float, at: typing.Sequence[float], color: typing.Sequence[float]) -> Part:
     """Returns a part that stands upright."""
     return "cylinder", (radius, length), tuple(at), color
 
 
-def ball(radius, at, color):
+def ball(radius: float, at: typing.Sequence[float], color: typing.Sequence[float]) -> Part:
     """Returns a part."""
     return "sphere", (radius,), tuple(at), color
 
 
-def cube(edge, color):
+def cube(edge: float, color: typing.Sequence[float]) -> typing.List[Part]:
     """Returns the parts of a cube that stands on its origin."""
     return [box((edge,) * 3, (0, 0, edge / 2), color)]
 
@@ -81,7 +84,7 @@ IN_THE_MIDDLE = ("wood_", "cricket_ball", "unit_", "brick_box")
 TAGS = {"box": ("size",), "cylinder": ("radius", "length"), "sphere": ("radius",)}
 
 
-def inertia(part, mass_kg):
+def inertia(part: Part, mass_kg: float) -> typing.Tuple[float, float, float]:
     """Returns the moments (3,) of a solid part about its middle [kg m^2]."""
     shape, sizes = part[:2]
     if shape == "sphere":
@@ -94,7 +97,7 @@ def inertia(part, mass_kg):
     return mass_kg * (y + z) / 12.0, mass_kg * (x + z) / 12.0, mass_kg * (x + y) / 12.0
 
 
-def volume(part):
+def volume(part: Part) -> float:
     """Returns [m^3]."""
     shape, sizes = part[:2]
     if shape == "sphere":
@@ -102,7 +105,7 @@ def volume(part):
     return math.pi * sizes[0] ** 2 * sizes[1] if shape == "cylinder" else sizes[0] * sizes[1] * sizes[2]
 
 
-def inertial_of(mass_kg, parts):
+def inertial_of(mass_kg: float, parts: typing.Sequence[Part]) -> str:
     """Returns <inertial> of parts of one density."""
     whole = sum(map(volume, parts))
     shares = [mass_kg * volume(part) / whole for part in parts]
@@ -116,7 +119,7 @@ def inertial_of(mass_kg, parts):
             "<izz>%.9g</izz><ixy>0</ixy><ixz>0</ixz><iyz>0</iyz></inertia></inertial>" % (*centre, mass_kg, *moments))
 
 
-def shape_of(number, part):
+def shape_of(number: int, part: Part) -> str:
     """Returns <collision> and <visual> of a part."""
     shape, sizes, at, color = part
     words = [" ".join(map(repr, map(float, sizes)))] if shape == "box" else [repr(float(size)) for size in sizes]
@@ -128,7 +131,7 @@ def shape_of(number, part):
             ).replace("\\\\n", "\\n")
 
 
-def document(name):
+def document(name: str) -> str:
     """Returns the text of a model's model.sdf."""
     (mass_kg, parts), place = MODELS[name], ""
     if name.startswith(IN_THE_MIDDLE):
@@ -140,7 +143,7 @@ def document(name):
                 "".join(shape_of(number, part) for number, part in enumerate(parts))))
 
 
-def board_mesh():
+def board_mesh() -> str:
     """Returns the COLLADA text of a board of 8 x 8 squares, 2 m wide, in the plane z = 0, seen from above.
 
     The square in the corner of least x and largest y is white. No light and no shadow changes its two colours."""
@@ -175,7 +178,7 @@ def board_mesh():
                 triangles, bound))
 
 
-def texts():
+def texts() -> typing.Dict[str, str]:
     """Returns the text of model.sdf of each model by its name."""
     board = ("<?xml version='1.0'?>\n<sdf version='1.6'>\n  <model name='%s'>\n    <static>true</static>\n"
              "    <link name='link'>\n      <visual name='visual'><geometry><mesh><uri>model://%s/%s</uri></mesh>"
@@ -183,7 +186,7 @@ def texts():
     return {**{name: document(name) for name in MODELS}, BOARD: board}
 
 
-def write(folder):
+def write(folder: pathlib.Path) -> None:
     """Writes all models into a folder. Args: folder: pathlib.Path, is made where it is not there."""
     mesh = folder / BOARD / BOARD_MESH
     mesh.parent.mkdir(parents=True, exist_ok=True)

@@ -2,13 +2,16 @@
 import os
 
 import pytest
+import rospkg
 
 from gazebo_ros.doctor.findings import Finding, table
+from gazebo_ros.doctor.nodelets import Nodelets
 from gazebo_ros.doctor.program import main
 from gazebo_ros.doctor.python import findings_of
 
 PACKAGE = ('<package format="2"><name>%s</name><version>0.0.1</version><description>A robot.</description>'
-           '<maintainer email="somebody@example.com">Somebody</maintainer><license>BSD</license></package>')
+           '<maintainer email="somebody@example.com">Somebody</maintainer><license>BSD</license>'
+           '<export><nodelet plugin="${prefix}/nodelets.xml"/></export></package>')
 FILES = {
     "launch/all.launch": """<launch>
   <arg name="world" default="$(find doctor_robot)/worlds/w.world"/><arg name="plans" default="false"/>
@@ -21,6 +24,21 @@ FILES = {
   <rosparam file="$(find doctor_robot)/config/none.yaml"/>
 </launch>
 """,
+    "launch/nodelets.launch": """<launch>
+  <arg name="at" default="/cam/manager"/>
+  <node pkg="nodelet" type="nodelet" name="m" args="manager"/>
+  <node pkg="nodelet" type="nodelet" name="a" args="load doctor_robot/there $(arg at) --no-bond"/>
+  <node pkg="nodelet" type="nodelet" name="b" args="load doctor_robot/unbuilt $(arg at)"/>
+  <node pkg="nodelet" type="nodelet" name="c" args="load doctor_robot/unlisted $(arg at)"/>
+  <node pkg="nodelet" type="nodelet" name="d" args="standalone nowhere/Mux"/>
+  <node pkg="nodelet" type="nodelet" name="f" args="unload nowhere/Gone $(arg at)"/>
+</launch>
+""",
+    "nodelets.xml": """<class_libraries><library path="lib/libdoctor_there">
+<class name="doctor_robot/there" type="d::There" base_class_type="nodelet::Nodelet"/></library>
+<library path="lib/libdoctor_unbuilt"><class type="doctor_robot/unbuilt" base_class_type="nodelet::Nodelet"/></library>
+</class_libraries>""",
+    "lib/libdoctor_there.so": "",
     "models/cup/model.config": "<model/>",
     "worlds/w.world": """<sdf version="1.6"><world name="d"><include><uri>model://cup</uri></include><!-- a -- b --->
 <include><uri>model://willowgarage</uri></include>
@@ -80,6 +98,25 @@ def test_arguments_of_the_launch_file_count(robot, capsys):
     _, found = rows(capsys, "doctor_robot", "all.launch", "plans:=true", "world:=worlds/empty.world")
     assert ("package", "doctor_robot_moveit_config", "doctor_robot/launch/all.launch:6") in found
     assert not {what for what, *_ in found} & {"model"}
+
+
+def test_nodelets_that_are_unlisted_or_not_built_are_named(robot, capsys):
+    _, found = rows(capsys, "doctor_robot", "nodelets.launch")
+    assert {row for row in found if row[0] == "nodelet"} == {
+        ("nodelet", "doctor_robot/unbuilt", "doctor_robot/launch/nodelets.launch:5"),
+        ("nodelet", "doctor_robot/unlisted", "doctor_robot/launch/nodelets.launch:6"),
+        ("nodelet", "nowhere/Mux", "doctor_robot/launch/nodelets.launch:7")}
+
+
+def test_a_list_of_nodelets_that_a_package_of_debian_lacks_is_in_its_other_package(robot, monkeypatch):
+    nodelets = Nodelets(rospkg.RosPack())
+    assert nodelets.fault(["load", "doctor_robot/there", "/m"]) is None
+    (robot / "nodelets.xml").unlink()
+    assert "nodelets.xml" in Nodelets(rospkg.RosPack()).fault(["load", "doctor_robot/there"])[1]
+    packages = rospkg.RosPack()
+    packages.get_manifest("doctor_robot")  # is kept
+    monkeypatch.setattr(packages, "get_path", lambda name: "/usr/share/" + name)
+    assert "libdoctor-robot-dev" in Nodelets(packages).fault(["load", "doctor_robot/there"])[1]
 
 
 def test_a_launch_file_without_a_fault_gives_no_table(robot, capsys):

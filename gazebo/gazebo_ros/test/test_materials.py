@@ -3,7 +3,7 @@ import numpy
 import pytest
 
 from gazebo_ros.sdf.document import NoFolders
-from gazebo_ros.sdf.materials import read_script
+from gazebo_ros.sdf.materials import Material, read_script
 from gazebo_ros.world.poses import matrix_of
 from gazebo_ros.world.world import World
 
@@ -88,6 +88,46 @@ def test_colours_and_the_picture_of_the_first_pass_are_read():
     assert plain.specular == [0.2, 0.3, 0.4, 1.0] and plain.ignored == ()
     assert board.diffuse == plain.diffuse, "of its parent"
     assert board.texture == "board.png" and (board.lit, board.ignored) == (False, ("scroll_anim",))
+
+
+def test_of_its_texture_units_the_first_counts_and_a_child_has_its_own_picture():
+    unit = "texture_unit { texture %s\n scale %s\n rotate 30\n scroll 0.1 -0.2 \n tex_address_mode clamp }"
+    script = ("material A\n{ technique { pass { %s %s\n lighting off } } }\n"
+              "material B : A\n{ technique { pass { %s } } }") % (
+        unit % ("a.png", "0.5 4"), unit % ("never.png", "9 9"), "texture_unit { texture b.png }")
+    first, child = read_script(script)["A"], read_script(script)["B"]
+    assert (first.texture, first.scale, first.scroll, first.rotate) == ("a.png", (0.5, 4.0), (0.1, -0.2), 30.0)
+    assert (first.address, first.lit, first.ignored) == ("clamp", False, ())
+    assert (child.texture, child.scale) == ("b.png", (0.5, 4.0)), "and what it does not state of its parent"
+    for wrong in ("scale 0 1", "scale 2", "scale x y", "scroll 1", "rotate", "rotate inf"):
+        assert read_script("material A\n{ pass { texture_unit { %s\n } } }" % wrong)["A"].texture_transform() is None
+
+
+@pytest.mark.parametrize("given, surface, picture", [
+    (Material(scale=(0.5, 0.25)), (0.75, 0.75), (1.0, 1.5)),  # 2 and 4 pictures, the middle of one in the middle
+    (Material(scroll=(0.25, 0.5)), (0.0, 0.0), (0.25, 0.5)),
+    (Material(rotate=90.0), (1.0, 0.5), (0.5, 1.0)),
+    (Material(scale=(2.0, 2.0), scroll=(0.25, 0.0), rotate=180.0), (0.5, 0.5), (0.25, 0.5))])
+def test_a_picture_lies_on_a_surface_as_its_texture_unit_says(given, surface, picture):
+    A = given.texture_transform()
+    assert A[:, :2] @ surface + A[:, 2] == pytest.approx(picture, abs=1e-12)
+    assert Material().texture_transform() is None
+
+
+@pytest.mark.parametrize("said, bands", [
+    ("scale 0.5 0.5", {(8, 20): "blue", (16, 20): "green", (24, 20): "blue", (32, 20): "green"}),
+    ("scale 0.04 3", {(12, 20): "green", (28, 20): "blue", (8, 10): "green", (32, 30): "blue"}),
+    ("scroll 0 0.5", {(12, 20): "blue", (28, 20): "green"}),
+    ("rotate 90", {(20, 12): "green", (20, 28): "blue", (32, 12): "green", (8, 28): "blue"})])
+def test_a_board_repeats_moves_and_turns_its_picture(own, said, bands):
+    script = own._folder / "materials" / "scripts" / "own.material"
+    script.write_text(SCRIPT.replace("scroll_anim 1 0", said))
+    image, board = shown(own, "Own/Board")
+    for (row, column), color in bands.items():
+        assert image[row, column].tolist() == ([0.0, 255.0, 0.0] if color == "green" else [0.0, 0.0, 255.0]), color
+    assert board.warnings == []
+    script.write_text(SCRIPT.replace("scroll_anim 1 0", said + "\ntex_address_mode clamp"))
+    assert ["clamp" in line for line in shown(own, "Own/Board")[1].warnings] == [True]
 
 
 @pytest.mark.parametrize("text", ["", "}}}", "material", "material X {",

@@ -102,17 +102,34 @@ def test_joints_take_controllers_by_the_transmissions_of_a_urdf():
     assert model.description.actuated == ("swing",)
 
 
-def test_what_is_included_is_found_placed_and_renamed(tmp_path):
+@pytest.fixture
+def crate(tmp_path):
+    """Folders with the model crate."""
     folder = tmp_path / "crate"
     folder.mkdir()
     (folder / "model.config").write_text("<model><name>crate</name><sdf version='1.7'>model.sdf</sdf></model>")
     (folder / "model.sdf").write_text(sdf(BOX))
+    return OwnModels(tmp_path)
+
+
+def test_what_is_included_is_found_placed_and_renamed(crate):
     world, warnings = filled("""<include><uri>model://crate</uri><name>first</name><pose>1 0 0.2 0 0 0</pose></include>
         <include><uri>model://crate</uri><static>true</static><pose>2 0 0 0 0 0</pose></include>
-        <include><uri>model://nowhere</uri></include>""", OwnModels(tmp_path))
+        <include><uri>model://nowhere</uri></include>""", crate)
     assert list(world.models) == ["first", "box"] and "model://nowhere" in warnings
     assert world.models["first"].pose()[:3, 3] == pytest.approx([1.0, 0.0, 0.2])
     assert world.models["box"].description.fixed and not world.models["first"].description.fixed
+
+
+def test_links_of_models_in_a_model_have_their_names_before_theirs_in_the_order_of_the_document(crate):
+    world, _ = filled("""<model name='rack'><link name='base'/><include><uri>model://crate</uri><name>cargo</name>
+        <pose>0 0 2 0 0 0</pose></include><link name='last'/><model name='shelf'><link name='board'/>
+        <model name='edge'><link name='strip'/></model></model>%s</model>""" % "".join(
+        "<joint name='j%d' type='fixed'><parent>base</parent><child>%s</child></joint>" % (k, child)
+        for k, child in enumerate(("cargo::body", "last", "shelf::board", "shelf::edge::strip"))), crate)
+    rack = world.models["rack"]
+    assert rack.bodies == ["base", "cargo::body", "last", "shelf::board", "shelf::edge::strip"]
+    assert world.frame("rack::cargo::body")[0][2, 3] == rack.link_pose("cargo::body")[2, 3] == pytest.approx(2.0)
 
 
 def test_the_empty_world_has_the_ground_and_the_sun():
@@ -231,7 +248,7 @@ def test_a_path_of_another_machine_is_found_in_the_package_that_it_names(tmp_pat
         def __call__(self, name):
             return str(tmp_path / name) if (tmp_path / name).is_dir() else None
 
-    for place in ("/opt/ros/melodic/share/arm", "file:///home/somebody/ws/src/arm"):
+    for place in ("/opt/ros/melodic/share/arm", "file:///home/Somebody/ws/src/arm"):
         assert found(place + "/meshes/base.stl", Packages()) == str(mesh)
         assert found(place + "/meshes/other.stl", Packages()) == ""
     assert found("/meshes/base.stl", Packages()) == "" and found(str(mesh), NoFolders()) == str(mesh)

@@ -4,6 +4,7 @@ import os
 import shutil
 import signal
 import sys
+import typing
 
 import rospkg
 import rospy
@@ -11,7 +12,7 @@ import rospy
 ENDS = {signal.SIGINT, signal.SIGTERM, signal.SIGHUP}  #: signals that end it
 
 
-def viewer():
+def viewer() -> typing.Tuple[typing.Optional[str], str]:
     """Returns the path of rviz and "", or None and why there is no window."""
     path = shutil.which("rviz")
     if not path:
@@ -19,7 +20,7 @@ def viewer():
     return (path, "") if os.environ.get("DISPLAY") else (None, "DISPLAY is not set")
 
 
-def main():
+def main() -> int:
     """Becomes rviz, or waits for a signal. Returns 0 after the signal."""
     path, reason = viewer()
     if path is None:

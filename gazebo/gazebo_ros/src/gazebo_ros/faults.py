@@ -1,5 +1,5 @@
 """Faults of a part of a model or world, what is used in its place, and the line that says so: one table for the code
-and for the page docs/from_gazebo.md (script/key_tables writes it there).
+and for the page docs/from_gazebo_reference.md (script/key_tables writes it there).
 
 Gazebo Classic takes such a part with a default, mends it, or leaves it out, and goes on; so does this overlay. The
 simulator's own reading (sim.launch) stays strict: it gets the mended description.

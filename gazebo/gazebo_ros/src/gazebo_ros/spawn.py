@@ -3,6 +3,7 @@ import argparse
 import os
 import pathlib
 import sys
+import typing
 import xml.etree.ElementTree as ElementTree
 
 import rospy
@@ -20,7 +21,7 @@ class RefusedError(Exception):
     """What was asked for was not done; the text says why."""
 
 
-def parser():
+def parser() -> argparse.ArgumentParser:
     made = argparse.ArgumentParser(prog="spawn_model", description="Spawns a model.")
     form = made.add_mutually_exclusive_group(required=True)
     form.add_argument("-urdf", action="store_true", help="the description is a URDF")
@@ -46,7 +47,7 @@ def parser():
     return made
 
 
-def description(options):
+def description(options: argparse.Namespace) -> str:
     """Text of the description. Raises: RefusedError."""
     if options.database:
         return "<sdf version='1.6'><include><uri>model://%s</uri></include></sdf>" % options.database
@@ -67,7 +68,7 @@ def description(options):
     return text.replace("package://", "model://") if options.package_to_model else text
 
 
-def call(name, kind, *request):
+def call(name: str, kind: typing.Any, *request: typing.Any) -> typing.Any:
     """The answer of a service. Raises: RefusedError when it is not there, or says no."""
     try:
         rospy.wait_for_service(name, LIMIT_S)
@@ -79,7 +80,7 @@ def call(name, kind, *request):
     return response
 
 
-def spawn(options):
+def spawn(options: argparse.Namespace) -> None:
     """Raises: RefusedError."""
     if options.wait:
         rospy.loginfo("Waiting for model %s before proceeding." % options.wait)
@@ -98,7 +99,7 @@ def spawn(options):
         call(options.gazebo_namespace + "/unpause_physics", Empty)
 
 
-def main():
+def main() -> int:
     options = parser().parse_args(rospy.myargv()[1:])
     rospy.init_node("spawn_model", anonymous=True)
     try:

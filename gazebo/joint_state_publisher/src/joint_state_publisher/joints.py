@@ -1,6 +1,7 @@
 """Joints of a URDF and their positions. No ROS."""
 import dataclasses
 import math
+import typing
 import xml.etree.ElementTree as ElementTree
 
 MOVING = ("revolute", "continuous", "prismatic")
@@ -32,7 +33,9 @@ class Joints:
         use_mimic: whether <mimic> counts.  use_smallest: whether <safety_controller> narrows the limits.
     """
 
-    def __init__(self, urdf, zeros=None, dependent=None, use_mimic=True, use_smallest=True):
+    def __init__(self, urdf: str, zeros: typing.Optional[typing.Dict[str, float]] = None,
+                 dependent: typing.Optional[typing.Dict[str, typing.Dict[str, typing.Any]]] = None,
+                 use_mimic: bool = True, use_smallest: bool = True) -> None:
         zeros, self.free, self.following = zeros or {}, {}, {}
         self.names = []
         for element in ElementTree.fromstring(urdf).findall("joint"):
@@ -49,12 +52,13 @@ class Joints:
             else:
                 self.free[name] = Joint(zeros.get(name, beginning(element, use_smallest)))
 
-    def update(self, name, position, velocity, effort):
+    def update(self, name: str, position: typing.Optional[float], velocity: typing.Optional[float],
+               effort: typing.Optional[float]) -> None:
         """A state that somebody else has published; names that are not of this robot are passed over."""
         if name in self.free:
             self.free[name] = Joint(position if position is not None else self.free[name].position, velocity, effort)
 
-    def position(self, name):
+    def position(self, name: str) -> float:
         """[m or rad]; through joints that follow joints that follow others."""
         factor, offset = 1.0, 0.0
         for _ in range(len(self.names)):
@@ -64,7 +68,7 @@ class Joints:
             factor, offset, name = factor * mimic.factor, offset + factor * mimic.offset, mimic.parent
         return factor * self.free[name].position + offset if name in self.free else offset
 
-    def rate(self, name, key):
+    def rate(self, name: str, key: str) -> typing.Optional[float]:
         """Velocity or effort, None where nobody has said it; that of a follower is its leader's velocity, scaled."""
         if name in self.following:
             leader = self.free.get(self.following[name].parent)
@@ -73,7 +77,7 @@ class Joints:
         return getattr(self.free[name], key)
 
 
-def beginning(element, use_smallest):
+def beginning(element: ElementTree.Element, use_smallest: bool) -> float:
     """0, or the middle of limits that exclude it."""
     limit, safety = element.find("limit"), element.find("safety_controller")
     if element.get("type") == "continuous" or limit is None:

@@ -5,7 +5,8 @@ name, which xacro of ROS Indigo passed over."""
 import io
 import os
 import sys
-import xml.dom
+import typing
+import xml.dom.minidom
 import xml.parsers.expat
 
 import xacro
@@ -25,23 +26,23 @@ FIX = ("find . -iname '*.xacro' | xargs sed -i "
 class Notes:
     """Collects where tags without the prefix stand, and says it once for each file."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         self._found, self._passed = {}, []
 
-    def is_old(self):
+    def is_old(self) -> bool:
         """Whether tags without the prefix have been met."""
         return bool(self._found)
 
-    def pass_over(self, node, what):
+    def pass_over(self, node: xml.dom.minidom.Element, what: str) -> None:
         """Takes an element out, and notes it. Args: what: is wrong with it."""
         self._passed.append("%s:%d: <%s>: %s: passed over, as until ROS Indigo" % (*place(node), node.tagName, what))
         xacro.replace_node(node, by=None)
 
-    def add(self, file, line, tag):
+    def add(self, file: str, line: int, tag: str) -> None:
         """Notes a tag. Args: line: from 1; 0 where it is not known."""
         self._found.setdefault(file, {}).setdefault(tag, []).append(line)
 
-    def lines(self):
+    def lines(self) -> typing.List[str]:
         """Returns a line of text for each file, and the command that mends them last."""
         told = ["%s: tags without the prefix xacro: are deprecated, line %s" %
                 (file, ", ".join("%d <%s>" % (line, tag) for line, tag in
@@ -51,12 +52,12 @@ class Notes:
         return [*told, fix, *self._passed] if told else []
 
 
-def place(node):
+def place(node: xml.dom.minidom.Element) -> typing.Tuple[str, int]:
     """Returns the file of an element, and its line from 1, 0 where it is not known."""
     return getattr(node, "xacro_place", (xacro.filestack[-1] if xacro.filestack else "?", 0))
 
 
-def line_numbers(text):
+def line_numbers(text: typing.Union[str, bytes]) -> typing.List[int]:
     """Returns the lines of all elements of a document, in its order, from 1."""
     lines, parser = [], xml.parsers.expat.ParserCreate()
     parser.StartElementHandler = lambda *_: lines.append(parser.CurrentLineNumber)
@@ -64,7 +65,7 @@ def line_numbers(text):
     return lines
 
 
-def add_prefixes(document, text, file, notes):
+def add_prefixes(document: xml.dom.minidom.Document, text: typing.Union[str, bytes], file: str, notes: Notes) -> None:
     """Gives the keywords of a document of a robot their prefix. Args: text: of the document, for line numbers."""
     root = document.documentElement
     if root.tagName != "robot":
@@ -76,7 +77,7 @@ def add_prefixes(document, text, file, notes):
             node.tagName = node.nodeName = "xacro:" + node.tagName
 
 
-def is_foreign(node):
+def is_foreign(node: xml.dom.minidom.Element) -> bool:
     """Whether an element stands in one that xacro knows nothing about."""
     node = node.parentNode
     while node is not None and node.nodeType == xml.dom.Node.ELEMENT_NODE:
@@ -86,11 +87,11 @@ def is_foreign(node):
     return False
 
 
-def install(notes):
+def install(notes: Notes) -> None:
     """Lets the library xacro take tags without the prefix, and notes them."""
     parse, call, grab = xacro.parse, xacro.handle_macro_call, xacro.grab_property
 
-    def parsed(inp, filename=None):
+    def parsed(inp: typing.Any, filename: typing.Optional[str] = None) -> xml.dom.minidom.Document:
         path = filename
         if inp is None:
             path = os.path.join(xacro.root_dir or "", filename)
@@ -107,7 +108,7 @@ def install(notes):
         add_prefixes(document, text, path or "the document", notes)
         return document
 
-    def called(node, macros, symbols):
+    def called(node: xml.dom.minidom.Element, macros: typing.Any, symbols: typing.Any) -> bool:
         name = node.tagName
         if ":" not in name and name not in OWN_TAGS and name in macros:
             notes.add(*place(node), name)
@@ -120,7 +121,7 @@ def install(notes):
                 return True
         return call(node, macros, symbols)
 
-    def grabbed(element, table):
+    def grabbed(element: xml.dom.minidom.Element, table: typing.Any) -> None:
         name = element.getAttribute("name")
         if notes.is_old() and not xacro.is_valid_name(str(xacro.eval_text(name, table))):
             notes.pass_over(element, "found the name '%s', which no property can have" % name)
@@ -130,7 +131,7 @@ def install(notes):
     xacro.parse, xacro.handle_macro_call, xacro.grab_property = parsed, called, grabbed
 
 
-def main():
+def main() -> None:
     """The program xacro."""
     notes = Notes()
     install(notes)

@@ -1,4 +1,6 @@
 """What controllers that serve an action share: one goal at a time, and a server that survives a reset of the time."""
+import typing
+
 import actionlib
 
 from .adapter import Adapter
@@ -11,36 +13,36 @@ class ActionAdapter(Adapter):
 
     _goal = None
 
-    def serve(self, name, kind):
+    def serve(self, name: str, kind: typing.Any) -> None:
         """Opens the action of this name and kind."""
         self._action = name, kind
         self._open_action()
         self.ends_with(lambda: self._server.stop())
 
-    def accept(self, handle):
+    def accept(self, handle: typing.Any) -> None:
         """Takes a goal by `take`, or rejects it."""
         raise NotImplementedError
 
-    def take(self, handle):
+    def take(self, handle: typing.Any) -> None:
         """The goal goes on from now on, in the place of the one before."""
         self.finish("canceled")
         handle.set_accepted()
         self._goal = handle
 
-    def finish(self, end, *result):
+    def finish(self, end: str, *result: typing.Any) -> None:
         """Ends the goal that there is: "succeeded", "aborted" or "canceled"."""
         goal, self._goal = self._goal, None
         if goal is not None:
             getattr(goal, "set_" + end)(*result)
 
-    def time_reset(self, now_ns):
+    def time_reset(self, now_ns: int) -> None:
         """An action server takes no goals that are older than those it has seen: a new one is needed."""
         self.finish("canceled")
         self._server.stop()
         self._open_action()
         super().time_reset(now_ns)
 
-    def _open_action(self):
+    def _open_action(self) -> None:
         # Its callbacks hold a lock that answering takes too: they leave the work to the world's thread.
         name, kind = self._action
         self._server = actionlib.ActionServer(self.topic(name), kind,
@@ -48,7 +50,7 @@ class ActionAdapter(Adapter):
                                               lambda goal: self.work.post(lambda: self._cancel(goal)), auto_start=False)
         self._server.start()
 
-    def _cancel(self, handle):
+    def _cancel(self, handle: typing.Any) -> None:
         if self._goal is not None and handle == self._goal:
             if self.running:
                 self.simulation.cancel_goal(self.name)

@@ -1,13 +1,21 @@
 """What the adapters of all types of controllers share: a controller's place in the world and in the ROS graph."""
+import typing
+
 from ..node.outlet import Outlet
+from ..node.work import Work
+from ..world.model import Model
+from ..world.world import World
+
+Parameters = typing.Dict[str, typing.Any]  #: of a controller, as rosparam has them
+AdapterClass = typing.Type["Adapter"]
 
 #: Class that serves each type of controller.
-ADAPTERS = {}
+ADAPTERS: typing.Dict[str, AdapterClass] = {}
 
 
-def register(*types):
+def register(*types: str) -> typing.Callable[[AdapterClass], AdapterClass]:
     """Decorator: the class serves these types of controllers."""
-    def note(adapter):
+    def note(adapter: AdapterClass) -> AdapterClass:
         ADAPTERS.update(dict.fromkeys(types, adapter))
         return adapter
     return note
@@ -21,30 +29,31 @@ class Adapter(Outlet):
         namespace.  joints: that it drives.
     """
 
-    def __init__(self, name, place, space, model, joints, work, world):
+    def __init__(self, name: str, place: str, space: str, model: Model, joints: typing.List[str], work: Work,
+                 world: World) -> None:
         self.name, self.place, self.space, self.joints = name, place, space, joints
         self.running = False
         super().__init__(world, model, work)
 
     @staticmethod
-    def stand_in(parameters):
+    def stand_in(parameters: Parameters) -> Parameters:
         """What the simulator is to load for the parameters of such a controller. Raises: ArasError."""
         return parameters
 
-    def topic(self, name):
+    def topic(self, name: str) -> str:
         return self.place + "/" + name
 
-    def wanted(self):
+    def wanted(self) -> bool:
         return self.running and super().wanted()
 
-    def started(self, now_ns):
+    def started(self, now_ns: int) -> None:
         """Its controller runs from now on."""
         self.running = True
         self.begin(now_ns)
 
-    def stopped(self):
+    def stopped(self) -> None:
         self.running = False
 
-    def time_reset(self, now_ns):
+    def time_reset(self, now_ns: int) -> None:
         if self.running:
             self.started(now_ns)

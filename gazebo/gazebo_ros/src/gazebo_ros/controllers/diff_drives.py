@@ -1,5 +1,6 @@
 """A base on wheels at its two sides: the topics cmd_vel and odom of diff_drive_controller."""
 import math
+import typing
 
 import rospy
 from geometry_msgs.msg import Twist
@@ -10,17 +11,18 @@ from aras_visual_servo_sim import ParameterError
 
 from ..node.odometry import WheelOdometry, odometry_message, transform_message
 from ..node.outlet import Beat
-from .adapter import Adapter, register
+from .adapter import Adapter, Parameters, register
 
 CONTROL_RATE_HZ = 100.0  #: how often the wheels get new speeds
-DEFAULTS = {"publish_rate": 50.0, "cmd_vel_timeout": 0.5, "wheel_separation_multiplier": 1.0, "open_loop": False,
-            "left_wheel_radius_multiplier": 1.0, "right_wheel_radius_multiplier": 1.0, "base_frame_id": "base_link",
-            "odom_frame_id": "odom", "enable_odom_tf": True}
+DEFAULTS: Parameters = {
+    "publish_rate": 50.0, "cmd_vel_timeout": 0.5, "wheel_separation_multiplier": 1.0, "open_loop": False,
+    "left_wheel_radius_multiplier": 1.0, "right_wheel_radius_multiplier": 1.0, "base_frame_id": "base_link",
+    "odom_frame_id": "odom", "enable_odom_tf": True}
 
 
-def sides(parameters):
+def sides(parameters: Parameters) -> typing.List[typing.List[str]]:
     """Names of the joints at the left and at the right. Raises: ParameterError."""
-    names = []
+    names: typing.List[typing.Any] = []
     for key in ("left_wheel", "right_wheel"):
         found = parameters.get(key)
         names.append([found] if isinstance(found, str) else found)
@@ -34,12 +36,12 @@ def sides(parameters):
 class Limit:
     """Bounds of a speed and of its change, parameters linear/x or angular/z."""
 
-    def __init__(self, parameters):
+    def __init__(self, parameters: Parameters) -> None:
         self._velocity = self._pair(parameters, "velocity")
         self._acceleration = self._pair(parameters, "acceleration")
 
     @staticmethod
-    def _pair(parameters, what):
+    def _pair(parameters: Parameters, what: str) -> typing.Tuple[float, float]:
         if not parameters.get("has_%s_limits" % what, False):
             return -math.inf, math.inf
         most = float(parameters.get("max_" + what, math.nan))
@@ -47,7 +49,7 @@ class Limit:
             raise ParameterError("max_%s: is missing, must be there with has_%s_limits" % (what, what))
         return float(parameters.get("min_" + what, -most)), most
 
-    def __call__(self, wanted, before, dt_s):
+    def __call__(self, wanted: float, before: float, dt_s: float) -> float:
         """The speed that comes next."""
         lower, upper = self._velocity
         wanted = min(max(wanted, lower), upper)
@@ -58,12 +60,12 @@ class Limit:
 @register("diff_drive_controller/DiffDriveController")
 class DiffDriveController(Adapter):
     @staticmethod
-    def stand_in(parameters):
+    def stand_in(parameters: Parameters) -> Parameters:
         """The simulator turns its wheels as a group of joints with one list of velocities."""
         left, right = sides(parameters)
         return {"type": "velocity_controllers/JointGroupVelocityController", "joints": left + right}
 
-    def open(self):
+    def open(self) -> None:
         self._parameters = {**DEFAULTS, **(rospy.get_param(self.place, None) or {})}
         self._left, self._right = sides(self._parameters)
         if "wheel_radius_multiplier" in self._parameters:
@@ -77,7 +79,7 @@ class DiffDriveController(Adapter):
         self.listen(self.topic("cmd_vel"), Twist, self._command)
         self.rate_hz = float(self._parameters["publish_rate"])
 
-    def _separation_m(self):
+    def _separation_m(self) -> float:
         """As given, else the distance between the first wheels of both sides."""
         given = self._parameters.get("wheel_separation")
         if given is None:
@@ -86,7 +88,7 @@ class DiffDriveController(Adapter):
             given = math.dist(*ends)
         return float(given) * self._parameters["wheel_separation_multiplier"]
 
-    def _radius_m(self):
+    def _radius_m(self) -> float:
         given = self._parameters.get("wheel_radius")
         if given is None:
             given = self.model.radius_of(self.model.description.children[self._left[0]])
@@ -94,13 +96,13 @@ class DiffDriveController(Adapter):
             raise ParameterError("wheel_radius: is missing, must be there where a wheel is no cylinder or sphere")
         return float(given)
 
-    def _command(self, message):
+    def _command(self, message: typing.Any) -> None:
         if not all(map(math.isfinite, (message.linear.x, message.angular.z))):
             rospy.logwarn_throttle(1.0, "Received NaN in velocity command. Ignoring.")
         elif self.running:
             self._wanted, self._told_ns = (message.linear.x, message.angular.z), self.world.time_ns
 
-    def started(self, now_ns):
+    def started(self, now_ns: int) -> None:
         super().started(now_ns)
         self._wanted, self._told_ns, self._issued = (0.0, 0.0), now_ns, (0.0, 0.0)
         separation, radius = self._size
@@ -109,20 +111,20 @@ class DiffDriveController(Adapter):
         self._where.update(*self._turned("joint_positions"))
         self._control = Beat(CONTROL_RATE_HZ, now_ns)
 
-    def _turned(self, what):
+    def _turned(self, what: str) -> typing.List[float]:
         """Mean over the wheels of each side."""
         names, values = self.simulation.joint_names, getattr(self.simulation, what)
         return [sum(float(values[names.index(joint)]) for joint in side) / len(side)
                 for side in (self._left, self._right)]
 
-    def wanted(self):
+    def wanted(self) -> bool:
         return self.running
 
     @property
-    def next_ns(self):
+    def next_ns(self) -> int:
         return min(super().next_ns, self._control.next_ns) if self.running else super().next_ns
 
-    def publish(self, now_ns):
+    def publish(self, now_ns: int) -> None:
         if not self.running:
             return
         self._where.update(*self._turned("joint_positions"))
@@ -130,7 +132,7 @@ class DiffDriveController(Adapter):
         if self._control.due(now_ns):
             self._drive(now_ns)
 
-    def _drive(self, now_ns):
+    def _drive(self, now_ns: int) -> None:
         old = now_ns - self._told_ns > 1e9 * float(self._parameters["cmd_vel_timeout"])
         wanted = (0.0, 0.0) if old else self._wanted
         self._issued = tuple(limit(*pair, 1.0 / CONTROL_RATE_HZ)
@@ -140,7 +142,7 @@ class DiffDriveController(Adapter):
         left, right = (forward - rim) / self._where.left_radius_m, (forward + rim) / self._where.right_radius_m
         self.simulation.set_group_command(self.name, [left] * len(self._left) + [right] * len(self._right))
 
-    def send(self, now_ns):
+    def send(self, now_ns: int) -> None:
         parameters, variances = self._parameters, [0.0] * 6
         for key in ("pose_covariance_diagonal", "twist_covariance_diagonal"):
             parameters.setdefault(key, variances)

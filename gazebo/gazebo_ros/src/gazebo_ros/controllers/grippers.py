@@ -1,4 +1,6 @@
 """Grippers: the action gripper_cmd."""
+import typing
+
 import rospy
 from control_msgs.msg import GripperCommandAction, GripperCommandFeedback, GripperCommandResult
 
@@ -13,11 +15,11 @@ ENDS = {"reached": "succeeded", "stalled": "aborted"}
 
 @register("effort_controllers/GripperActionController", "position_controllers/GripperActionController")
 class Gripper(ActionAdapter):
-    def open(self):
+    def open(self) -> None:
         self.rate_hz = self.simulation.gripper_report(self.name)["monitor_rate_hz"]
         self.serve("gripper_cmd", GripperCommandAction)
 
-    def accept(self, handle):
+    def accept(self, handle: typing.Any) -> None:
         command = handle.get_goal().command
         try:
             if not self.running:
@@ -30,26 +32,26 @@ class Gripper(ActionAdapter):
         self.take(handle)
         self.begin(self.world.time_ns)
 
-    def wanted(self):
+    def wanted(self) -> bool:
         return self.running and self._goal is not None
 
-    def stopped(self):
+    def stopped(self) -> None:
         super().stopped()
         self._end()
 
-    def publish(self, now_ns):
+    def publish(self, now_ns: int) -> None:
         self._end()
         super().publish(now_ns)
 
-    def send(self, now_ns):
+    def send(self, now_ns: int) -> None:
         self._goal.publish_feedback(self._told(GripperCommandFeedback))
 
-    def _told(self, kind):
+    def _told(self, kind: typing.Any) -> typing.Any:
         report = self.simulation.gripper_report(self.name)
         return kind(position=report["position"], effort=report["effort"], stalled=report["goal"] == "stalled",
                     reached_goal=report["goal"] == "reached")
 
-    def _end(self):
+    def _end(self) -> None:
         """Ends the goal when the controller has."""
         end = "active" if self._goal is None else self.simulation.gripper_report(self.name)["goal"]
         if end in ENDS:

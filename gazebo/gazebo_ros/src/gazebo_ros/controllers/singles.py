@@ -1,4 +1,6 @@
 """Controllers with the topic command, of one joint or several; state and gains of those with a PID."""
+import typing
+
 import dynamic_reconfigure.server
 from aras_visual_servo_sim.cfg import PidConfig
 from control_msgs.msg import JointControllerState
@@ -15,14 +17,14 @@ GAINS = ("p", "i", "d", "i_clamp", "antiwindup")
 class Single(Adapter):
     kind = Float64
 
-    def open(self):
+    def open(self) -> None:
         self.listen(self.topic("command"), self.kind, self._command)
 
-    def _command(self, message):
+    def _command(self, message: typing.Any) -> None:
         if self.running:
             self.command(message.data)
 
-    def command(self, value):
+    def command(self, value: typing.Any) -> None:
         self.simulation.set_controller_command(self.name, value)
 
 
@@ -33,7 +35,7 @@ class Group(Single):
 
     kind = Float64MultiArray
 
-    def command(self, value):
+    def command(self, value: typing.Any) -> None:
         self.simulation.set_group_command(self.name, list(value))
 
 
@@ -42,7 +44,7 @@ class Group(Single):
 class SinglePid(Single):
     rate_hz = 100.0  # ros_control sends every tenth of its steps of 1 ms
 
-    def open(self):
+    def open(self) -> None:
         super().open()
         self._states = self.advertise(self.topic("state"), JointControllerState)
         self._gains = None
@@ -50,7 +52,7 @@ class SinglePid(Single):
         for end in (server.set_service.shutdown, server.descr_topic.unregister, server.update_topic.unregister):
             self.ends_with(end)
 
-    def _reconfigured(self, config, _level):
+    def _reconfigured(self, config: typing.Any, _level: int) -> typing.Any:
         """In rospy's thread. The first call has what is in the parameters: nothing is to be changed then."""
         gains = {key: config[key] for key in GAINS}
         first, self._gains = self._gains is None, gains
@@ -58,10 +60,10 @@ class SinglePid(Single):
             self.work.post(self._set_gains, self.place)
         return config
 
-    def _set_gains(self):
+    def _set_gains(self) -> None:
         if self.running:
             self.simulation.set_gains(self.name, **self._gains)
 
-    def send(self, now_ns):
+    def send(self, now_ns: int) -> None:
         state = self.simulation.controller_state(self.name)
         self._states.publish(stamped(JointControllerState, now_ns, time_step=1e-9 * self.world.period_ns, **state))

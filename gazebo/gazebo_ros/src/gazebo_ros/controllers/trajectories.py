@@ -1,8 +1,12 @@
 """Joints that follow trajectories: the topics command and state, the action follow_joint_trajectory."""
+import typing
+
+import numpy
 import rospy
 from control_msgs.msg import (FollowJointTrajectoryAction, FollowJointTrajectoryFeedback, FollowJointTrajectoryResult,
                               JointTrajectoryControllerState)
 from control_msgs.srv import QueryTrajectoryState, QueryTrajectoryStateResponse
+from std_msgs.msg import Header
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from aras_visual_servo_sim import ArasError
@@ -17,20 +21,21 @@ Result = FollowJointTrajectoryResult
 ENDS = {"succeeded": (Result.SUCCESSFUL, "succeeded"),
         "path_tolerance_violated": (Result.PATH_TOLERANCE_VIOLATED, "aborted"),
         "goal_tolerance_violated": (Result.GOAL_TOLERANCE_VIOLATED, "aborted")}
+Vector = typing.List[float]
 WRONG_JOINTS = "Joints on incoming goal don't match the controller joints."
 
 
-def points_of(trajectory):
+def points_of(trajectory: JointTrajectory) -> typing.List[typing.Tuple[float, Vector, Vector, Vector]]:
     """What the simulator takes: (time_s, positions, velocities, accelerations) of each point."""
     return [(point.time_from_start.to_sec(), list(point.positions), list(point.velocities), list(point.accelerations))
             for point in trajectory.points]
 
 
-def tolerances_of(messages):
+def tolerances_of(messages: typing.Iterable[typing.Any]) -> typing.Dict[str, typing.Tuple[float, float, float]]:
     return {each.name: (each.position, each.velocity, each.acceleration) for each in messages}
 
 
-def point_message(rows):
+def point_message(rows: numpy.ndarray) -> JointTrajectoryPoint:
     """JointTrajectoryPoint of (n, 3) position, velocity, acceleration."""
     positions, velocities, accelerations = (list(map(float, rows[:, k])) for k in range(3))
     return JointTrajectoryPoint(positions=positions, velocities=velocities, accelerations=accelerations)
@@ -39,10 +44,11 @@ def point_message(rows):
 @register("effort_controllers/JointTrajectoryController", "position_controllers/JointTrajectoryController",
           "velocity_controllers/JointTrajectoryController", "pos_vel_controllers/JointTrajectoryController")
 class TrajectoryFollower(ActionAdapter):
-    def open(self):
+    def open(self) -> None:
         settings = self.simulation.trajectory_report(self.name)
         self.rate_hz, self._monitor_rate_hz = settings["state_rate_hz"], settings["monitor_rate_hz"]
-        self._partial, self._feedback_beat = settings["partial_joints"], None
+        self._partial = settings["partial_joints"]
+        self._feedback_beat: typing.Optional[Beat] = None
         self.listen(self.topic("command"), JointTrajectory, self._command)
         self._states = self.advertise(self.topic("state"), JointTrajectoryControllerState)
         query = rospy.Service(self.topic("query_state"), QueryTrajectoryState,
@@ -52,18 +58,18 @@ class TrajectoryFollower(ActionAdapter):
 
     # --- what comes in
 
-    def _start_s(self, header):
+    def _start_s(self, header: Header) -> typing.Optional[float]:
         """When a trajectory begins; None: now."""
         return None if header.stamp.is_zero() else self.world.core_s(header.stamp.to_nsec())
 
-    def _command(self, message):
+    def _command(self, message: typing.Any) -> None:
         note = self.simulation.follow_trajectory(self.name, list(message.joint_names), points_of(message),
                                                  self._start_s(message.header))
         if note:
             rospy.logwarn("%s: %s" % (self.place, note))
         self._watch()
 
-    def accept(self, handle):
+    def accept(self, handle: typing.Any) -> None:
         goal = handle.get_goal()
         trajectory = goal.trajectory
         if not self.running:
@@ -84,11 +90,11 @@ class TrajectoryFollower(ActionAdapter):
         self.take(handle)
         self._feedback_beat = Beat(self._monitor_rate_hz, self.world.time_ns)
 
-    def _reject(self, handle, code, text):
+    def _reject(self, handle: typing.Any, code: int, text: str) -> None:
         rospy.logerr("%s: %s" % (self.place, text))
         handle.set_rejected(Result(error_code=code, error_string=text), text)
 
-    def _query(self, request):
+    def _query(self, request: typing.Any) -> QueryTrajectoryStateResponse:
         if not self.running:
             raise rospy.ServiceException("Can't sample trajectory. Controller is not running.")
         rows = self.simulation.trajectory_at(self.name, self.world.core_s(request.time.to_nsec()))
@@ -97,19 +103,19 @@ class TrajectoryFollower(ActionAdapter):
     # --- what goes out
 
     @property
-    def next_ns(self):
+    def next_ns(self) -> int:
         feedback_ns = self._feedback_beat.next_ns if self.running and self._goal is not None else NEVER_NS
         return min(super().next_ns, feedback_ns)
 
-    def started(self, now_ns):
+    def started(self, now_ns: int) -> None:
         super().started(now_ns)
         self._watch()
 
-    def stopped(self):
+    def stopped(self) -> None:
         super().stopped()
         self._watch()
 
-    def _watch(self):
+    def _watch(self) -> None:
         """Ends the goal when the controller has."""
         if self._goal is None:
             return
@@ -120,7 +126,7 @@ class TrajectoryFollower(ActionAdapter):
         elif report["goal"] != "active":
             self.finish("canceled")
 
-    def publish(self, now_ns):
+    def publish(self, now_ns: int) -> None:
         if not self.running:
             return
         self._watch()

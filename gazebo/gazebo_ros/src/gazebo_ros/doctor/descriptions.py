@@ -1,13 +1,14 @@
 """Descriptions of robots and worlds: plugins that are not simulated, models and meshes that are not there."""
 import os
+import typing
 
-from ..sdf.document import found
+from ..sdf.document import NoFolders, found
 from ..world.plugins import is_simulated
 from .findings import Finding
 from .lined import Lined
 
 
-def findings_of(path, folders, text=None):
+def findings_of(path: str, folders: NoFolders, text: typing.Optional[str] = None) -> typing.List[Finding]:
     """Returns list of Finding of a URDF, a model or a world.
 
     Args: folders: as World has them.  text: of the document, None: that of the file.
@@ -20,21 +21,21 @@ def findings_of(path, folders, text=None):
     return [*plugins(document), *models(document, folders), *meshes(document, folders)]
 
 
-def plugins(document):
+def plugins(document: Lined) -> typing.List[Finding]:
     """Returns plugins that do nothing here."""
     return [Finding("plugin", os.path.basename(plugin.get("filename", "")), document.where(plugin),
                     "is not simulated: ignored") for plugin in document.root.iter("plugin")
             if plugin.get("filename") and not is_simulated(os.path.basename(plugin.get("filename")))]
 
 
-def models(document, folders):
+def models(document: Lined, folders: NoFolders) -> typing.List[Finding]:
     """Returns models that a world includes and that are nowhere."""
     return [Finding("model", (uri.text or "").strip(), document.where(uri), "is left out; a folder of it in "
                     "GAZEBO_MODEL_PATH is found") for include in document.root.iter("include")
             for uri in include.findall("uri") if not found((uri.text or "").strip(), folders)]
 
 
-def meshes(document, folders):
+def meshes(document: Lined, folders: NoFolders) -> typing.List[Finding]:
     """Returns files of meshes that are not there, in URDF and SDF."""
     missing = []
     for mesh in document.root.iter("mesh"):

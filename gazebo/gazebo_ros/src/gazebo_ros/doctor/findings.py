@@ -1,10 +1,11 @@
 """What the doctor finds, and the table of it."""
 import dataclasses
+import typing
 
 import rospkg
 
 #: What is asked for, in the order of the table.
-KINDS = ("package", "file", "program", "syntax", "python 2", "module", "xacro", "plugin", "model", "mesh")
+KINDS = ("package", "file", "program", "nodelet", "syntax", "python 2", "module", "xacro", "plugin", "model", "mesh")
 #: Beginnings of the names of packages and modules, and what they belong to.
 KNOWN = (("moveit", "MoveIt, which Debian 12 does not have: launch files and nodes that plan with it do not run"),
          ("ompl", "OMPL's planners, part of MoveIt"), ("rosbridge", "rosbridge_suite: not in Debian 12"),
@@ -24,14 +25,14 @@ class Finding:
     advice: str = ""
 
 
-def advice_for(name):
+def advice_for(name: str) -> str:
     """Returns what a package or module belongs to, "" where nothing is known."""
     if name.endswith("_moveit_config"):
         return KNOWN[0][1]
     return next((advice for start, advice in KNOWN if name == start or name.startswith(start)), "")
 
 
-def shortened(where, packages):
+def shortened(where: str, packages: typing.Optional[rospkg.RosPack]) -> str:
     """Returns FILE:LINE with the name of the package in place of its folder. Args: packages: rospkg.RosPack or None."""
     name = rospkg.get_package_name(where.rpartition(":")[0] or where) if packages is not None else None
     if not name:
@@ -42,7 +43,7 @@ def shortened(where, packages):
         return where
 
 
-def table(findings, packages=None):
+def table(findings: typing.Iterable[Finding], packages: typing.Optional[rospkg.RosPack] = None) -> typing.List[str]:
     """Returns lines: one for each thing that is not there, those of a kind together, each once. Args: packages: as
     shortened()."""
     rows = {}

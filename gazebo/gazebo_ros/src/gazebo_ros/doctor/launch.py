@@ -4,19 +4,23 @@ import re
 import shlex
 import subprocess
 import sys
+import typing
+import xml.etree.ElementTree as ElementTree
 
 import roslib.packages
 import rospkg
 from roslaunch.substitution_args import SubstitutionException, resolve_args
 
-from ..node.folders import MODEL_PATH, RESOURCE_PATH
+from ..node.folders import MODEL_PATH, RESOURCE_PATH, Folders
 from ..node.program import EMPTY, parsed
 from . import descriptions
 from .findings import Finding, advice_for
 from .lined import Lined
+from .nodelets import Nodelets
 
 XACRO_S = 60.0  #: wall time that xacro may take for a file
 PASSING = re.compile("xacro: in-order processing|.*[Ww]arning:|when |instantiated from|in file:|Traceback| ")
+Context = typing.Dict[str, typing.Any]  #: what roslaunch's resolve_args takes
 SERVERS = ("gzserver", "gazebo", "debug", "perf")
 
 
@@ -26,12 +30,13 @@ class Launch:
     Attributes: findings: list of Finding.  packages: folders of the packages that were met, by name.
     """
 
-    def __init__(self, folders):
+    def __init__(self, folders: Folders) -> None:
         """Args: folders: Folders; their environment is changed by <env>."""
         self.findings, self.packages = [], {}
         self._folders, self._rospack, self._seen = folders, rospkg.RosPack(), set()
+        self._nodelets = Nodelets(self._rospack)
 
-    def walk(self, path, arguments):
+    def walk(self, path: str, arguments: typing.Dict[str, str]) -> None:
         """Looks at a launch file and at what it includes. Args: arguments: dict of <arg>s that it is given."""
         key = path, tuple(sorted(arguments.items()))
         if key in self._seen:
@@ -43,29 +48,30 @@ class Launch:
             return
         self._children(document, document.root, {"arg": dict(arguments), "filename": path}, dict(arguments))
 
-    def _add(self, kind, what, where, advice):
+    def _add(self, kind: str, what: str, where: str, advice: str) -> None:
         self.findings.append(Finding(kind, what, where, advice))
 
-    def _children(self, document, parent, context, given):
+    def _children(self, document: Lined, parent: ElementTree.Element, context: Context,
+                  given: typing.Dict[str, str]) -> None:
         for element in parent:
             if not self._wanted(document, element, context):
                 continue
-            look = getattr(self, "_" + element.tag, None)
             if element.tag == "arg":
                 self._argument(document, element, context, given)
             elif element.tag in ("include", "node", "rosparam", "param", "env"):
-                look(document, element, context)
+                getattr(self, "_" + element.tag)(document, element, context)
             if element.tag in ("group", "node"):
                 self._children(document, element, {**context, "arg": dict(context["arg"])}, given)
 
-    def _argument(self, document, element, context, given):
+    def _argument(self, document: Lined, element: ElementTree.Element, context: Context,
+                  given: typing.Dict[str, str]) -> None:
         name = element.get("name", "")
         if "value" in element.attrib or name not in given:
             value = self._text(document, element, element.get("value", element.get("default")), context)
             if value is not None:
                 context["arg"][name] = value
 
-    def _wanted(self, document, element, context):
+    def _wanted(self, document: Lined, element: ElementTree.Element, context: Context) -> bool:
         """Whether if and unless let an element through; what cannot be told lets it through."""
         for key, wanted in (("if", True), ("unless", False)):
             value = self._text(document, element, element.get(key), context)
@@ -73,7 +79,8 @@ class Launch:
                 return False
         return True
 
-    def _text(self, document, element, text, context):
+    def _text(self, document: Lined, element: ElementTree.Element, text: typing.Optional[str],
+              context: Context) -> typing.Optional[str]:
         """Returns a text with its $(...) in place, or None. Packages that it names and that are not there are findings.
         """
         if text is None:
@@ -88,10 +95,10 @@ class Launch:
                 self._missing_package(name_of(cause), document.where(element))
         return None
 
-    def _missing_package(self, name, where):
+    def _missing_package(self, name: str, where: str) -> None:
         self._add("package", name, where, advice_for(name) or "is in no folder of ROS_PACKAGE_PATH")
 
-    def package(self, name, where):
+    def package(self, name: str, where: str) -> typing.Optional[str]:
         """Returns the folder of a package, or None with a finding."""
         try:
             self.packages[name] = self._rospack.get_path(name)
@@ -100,7 +107,7 @@ class Launch:
             return None
         return self.packages[name]
 
-    def package_of(self, path):
+    def package_of(self, path: str) -> None:
         """Takes the package of a file along, also one inside another, which ROS_PACKAGE_PATH does not lead to."""
         name = rospkg.get_package_name(path)
         if name in self._rospack.list():
@@ -108,7 +115,7 @@ class Launch:
 
     # --- tags of launch files
 
-    def _include(self, document, element, context):
+    def _include(self, document: Lined, element: ElementTree.Element, context: Context) -> None:
         path = self._text(document, element, element.get("file"), context)
         if path is None:
             return
@@ -126,13 +133,13 @@ class Launch:
         self.package_of(path)
         self.walk(path, given)
 
-    def _env(self, document, element, context):
+    def _env(self, document: Lined, element: ElementTree.Element, context: Context) -> None:
         """Adds a launch file's folders of models and resources, for all that follows."""
         value = self._text(document, element, element.get("value"), context)
         if value and element.get("name") in (MODEL_PATH, RESOURCE_PATH):
             self._folders.environment[element.get("name")] = value
 
-    def _node(self, document, element, context):
+    def _node(self, document: Lined, element: ElementTree.Element, context: Context) -> None:
         package, kind = (self._text(document, element, element.get(key), context) for key in ("pkg", "type"))
         if not package or not kind:
             return
@@ -146,15 +153,22 @@ class Launch:
             self._world(parsed(words)[0], where)
         elif package == "gazebo_ros" and kind == "spawn_model":
             self._spawned(words, where)
+        elif package == "nodelet" and kind == "nodelet":
+            self._nodelet(words, where)
 
-    def _world(self, name, where):
+    def _nodelet(self, words: typing.Sequence[str], where: str) -> None:
+        fault = self._nodelets.fault(words)
+        if fault is not None:
+            self._add("nodelet", fault[0], where, advice_for(fault[0]) or fault[1])
+
+    def _world(self, name: str, where: str) -> None:
         path = self._folders.resource(name) if name else None
         if path is not None:
             self.findings += descriptions.findings_of(path, self._folders)
         elif name not in EMPTY:
             self._add("file", name, where, "is the world, and not there")
 
-    def _spawned(self, words, where):
+    def _spawned(self, words: typing.Sequence[str], where: str) -> None:
         for key, word in zip(words, words[1:]):
             if key == "-database" and not self._folders(word):
                 self._add("model", word, where, "is not there")
@@ -163,12 +177,12 @@ class Launch:
             elif key == "-file":
                 self.findings += descriptions.findings_of(word, self._folders)
 
-    def _rosparam(self, document, element, context):
+    def _rosparam(self, document: Lined, element: ElementTree.Element, context: Context) -> None:
         path = self._text(document, element, element.get("file"), context)
         if path and element.get("command", "load") == "load" and not os.path.isfile(path):
             self._add("file", path, document.where(element), "is loaded and not there")
 
-    def _param(self, document, element, context):
+    def _param(self, document: Lined, element: ElementTree.Element, context: Context) -> None:
         where = document.where(element)
         path = self._text(document, element, element.get("textfile"), context)
         if path is not None and os.path.isfile(path):
@@ -179,7 +193,7 @@ class Launch:
         if words and os.path.basename(words[0]) in ("xacro", "xacro.py"):
             self._xacro(words[1:], where)
 
-    def _xacro(self, words, where):
+    def _xacro(self, words: typing.Sequence[str], where: str) -> None:
         file = next((word for word in words if not word.startswith("-") and ":=" not in word), "")
         if not os.path.isfile(file):
             self._add("file", file, where, "is expanded and not there")
@@ -197,6 +211,6 @@ class Launch:
             self.findings += descriptions.findings_of(file, self._folders, done.stdout)
 
 
-def name_of(error):
+def name_of(error: rospkg.ResourceNotFound) -> str:
     """Returns the name of the package that a rospkg.ResourceNotFound is about."""
     return str(error.args[0] if error.args else error).split("\n", maxsplit=1)[0].strip()

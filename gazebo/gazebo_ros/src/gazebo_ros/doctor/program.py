@@ -1,16 +1,17 @@
 """The program gazebo-doctor: one table of what a launch file asks for that is not there."""
 import argparse
 import os
+import typing
 
 import rospkg
 
 from ..node.folders import Folders
 from . import python
-from .findings import table
+from .findings import Finding, table
 from .launch import Launch
 
 
-def launch_file(package, name):
+def launch_file(package: str, name: str) -> str:
     """Returns the path of a launch file, as roslaunch finds it: anywhere in the package. Raises: OSError,
     rospkg.ResourceNotFound."""
     if os.path.isfile(package) and not name:
@@ -22,12 +23,12 @@ def launch_file(package, name):
     raise FileNotFoundError("there is no file %s in %s" % (name, folder))
 
 
-def is_strangers(folder):
+def is_strangers(folder: str) -> bool:
     """Whether a package is one of the user's sources: neither Debian's nor installed."""
     return not folder.startswith(("/usr/", "/opt/ros/")) and "/share/" not in folder + "/"
 
 
-def examine(path, arguments):
+def examine(path: str, arguments: typing.Dict[str, str]) -> typing.List[Finding]:
     """Returns list of Finding of a launch file. Args: arguments: dict of its <arg>s."""
     launch = Launch(Folders(dict(os.environ)))
     launch.package_of(path)
@@ -41,7 +42,7 @@ def examine(path, arguments):
     return findings
 
 
-def main(arguments=None):
+def main(arguments: typing.Optional[typing.Sequence[str]] = None) -> int:
     """Returns 0: nothing is missing, 1: something is, 2: there is no such launch file."""
     parser = argparse.ArgumentParser(prog="gazebo-doctor", description="Says what a launch file asks for that is not "
                                      "there: packages, programs, plugins, models, meshes, Python 2.")

@@ -3,6 +3,7 @@ import ast
 import importlib.util
 import os
 import re
+import typing
 
 from .findings import Finding, advice_for
 
@@ -16,7 +17,7 @@ CONFLICT = re.compile(r"[<=>]{7}(\s|$)")  #: lines that git writes into files
 TO_3 = "written for Python 2; `2to3 -w FILE` mends most of it"
 
 
-def is_python(path):
+def is_python(path: str) -> bool:
     """Whether a file is a program or module in Python."""
     if path.endswith(".py"):
         return True
@@ -28,7 +29,7 @@ def is_python(path):
     return first.startswith(b"#!") and b"python" in first
 
 
-def files_of(folder):
+def files_of(folder: str) -> typing.Iterator[str]:
     """Yields the files in Python of a package."""
     for place, folders, files in os.walk(folder):
         folders[:] = sorted(each for each in folders if not each.startswith(".") and each not in ("build", "devel"))
@@ -38,14 +39,14 @@ def files_of(folder):
                 yield path
 
 
-def modules_in(files):
+def modules_in(files: typing.List[str]) -> typing.Set[str]:
     """Returns names of the modules that files are, and of the folders that they stand in: programs add these to
     sys.path."""
     return {os.path.splitext(os.path.basename(path))[0] for path in files} | {
         os.path.basename(os.path.dirname(path)) for path in files}
 
 
-def findings_of(path, own=()):
+def findings_of(path: str, own: typing.Collection[str] = ()) -> typing.List[Finding]:
     """Returns list of Finding of a file. Args: own: names of modules that its workspace brings."""
     try:
         with open(path, "rb") as file:
@@ -77,7 +78,7 @@ def findings_of(path, own=()):
     return old[:1] + [each for each in found if each.kind == "module"]
 
 
-def modules_of(node):
+def modules_of(node: ast.AST) -> typing.List[str]:
     """Returns names of the modules that a statement imports, without what stands behind the first dot."""
     if isinstance(node, ast.Import):
         return [name.name.partition(".")[0] for name in node.names]
@@ -86,7 +87,7 @@ def modules_of(node):
     return []
 
 
-def is_there(name):
+def is_there(name: str) -> bool:
     """Whether a module can be imported."""
     try:
         return importlib.util.find_spec(name) is not None

@@ -1,7 +1,10 @@
 """Images, depth and points of the cameras of one model, under the names that their tags give."""
+import typing
+
+import numpy
 import rospy
 from sensor_msgs.msg import CameraInfo, Image, PointCloud2, PointField
-from std_msgs.msg import Empty
+from std_msgs.msg import Empty, Header
 
 from aras_visual_servo_sim import ArasError
 
@@ -9,12 +12,12 @@ from .convert import stamped
 from .outlet import NEVER_NS, Outlet
 
 
-def image_message(header, image, encoding):
+def image_message(header: Header, image: numpy.ndarray, encoding: str) -> Image:
     return Image(header=header, height=image.shape[0], width=image.shape[1], encoding=encoding, step=image.strides[0],
                  data=image.tobytes())
 
 
-def cloud_message(header, points):
+def cloud_message(header: Header, points: numpy.ndarray) -> PointCloud2:
     """A sensor_msgs/PointCloud2 of points (h, w, 4) float32: x, y, z, rgb."""
     fields = [PointField(name=name, offset=4 * k, datatype=PointField.FLOAT32, count=1)
               for k, name in enumerate(("x", "y", "z", "rgb"))]
@@ -28,7 +31,7 @@ class Cameras(Outlet):
     Attributes: sent_ns: time of the last image that somebody listened to, int [ns]; -1: there was none.
     """
 
-    def open(self):
+    def open(self) -> None:
         self._topics, self._due, self.sent_ns = {}, {}, -1
         for name, topics in self.model.description.cameras.items():
             if self._full(name) not in self.world.core.camera_names:
@@ -42,30 +45,30 @@ class Cameras(Outlet):
                                              ("points", depth and depth.points, PointCloud2)) if topic}
             self.listen(topics.trigger, Empty, lambda _, camera=name: self.world.core.trigger(self._full(camera)))
 
-    def _full(self, name):
+    def _full(self, name: str) -> str:
         """What the simulator calls a camera of this model."""
         return "%s::%s" % (self.model.name, name)
 
-    def _due_ns(self, name):
+    def _due_ns(self, name: str) -> int:
         due_ns = self.world.core.next_image_ns(self._full(name))
         return self.world.epoch_ns + due_ns if due_ns < NEVER_NS else NEVER_NS
 
     @property
-    def next_ns(self):
+    def next_ns(self) -> int:
         return min(map(self._due_ns, self._topics), default=NEVER_NS)
 
-    def due(self, now_ns):
+    def due(self, now_ns: int) -> typing.List[typing.Tuple[str, bool, bool]]:
         """What World.take_frames is to draw of the cameras whose images are due now."""
         self._due = {name: {kind: publisher for kind, publisher in publishers.items() if publisher.get_num_connections()}
                      for name, publishers in self._topics.items() if self._due_ns(name) == now_ns}
         return [(self._full(name), self._image_is_wanted(name, wanted), bool({"depth", "points"} & set(wanted)))
                 for name, wanted in self._due.items()]
 
-    def _image_is_wanted(self, name, wanted):
+    def _image_is_wanted(self, name: str, wanted: typing.Collection[str]) -> bool:
         depth = self.model.description.cameras[name].depth
         return "image" in wanted or ("points" in wanted and depth.colors == name)
 
-    def send_images(self, now_ns, frames):
+    def send_images(self, now_ns: int, frames: typing.Dict[str, typing.Any]) -> None:
         """Publishes what was due. Args: frames: what World.take_frames returned."""
         for name, wanted in self._due.items():
             if not wanted:
@@ -80,7 +83,8 @@ class Cameras(Outlet):
             elif {"image", "depth", "points"} & set(wanted):
                 self._send(name, wanted, message.header, *frame)
 
-    def _send(self, name, wanted, header, image, depth_m):
+    def _send(self, name: str, wanted: typing.Dict[str, rospy.Publisher], header: Header,
+              image: typing.Optional[numpy.ndarray], depth_m: typing.Optional[numpy.ndarray]) -> None:
         core, depth = self.world.core, self.model.description.cameras[name].depth
         camera = self._full(name)
         if "image" in wanted:
@@ -100,5 +104,5 @@ class Cameras(Outlet):
             wanted["points"].publish(cloud_message(header, points))
         self.sent_ns = self.world.time_ns
 
-    def time_reset(self, _now_ns):
+    def time_reset(self, _now_ns: int) -> None:
         self.sent_ns = -1

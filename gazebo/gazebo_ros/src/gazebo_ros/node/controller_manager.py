@@ -1,4 +1,6 @@
 """ros_control's controller manager of one model: its services, and the topics of the controllers that are loaded."""
+import typing
+
 import rospy
 from controller_manager_msgs.msg import ControllerState, HardwareInterfaceResources
 from controller_manager_msgs.srv import (ListControllers, ListControllerTypes, LoadController,
@@ -17,7 +19,7 @@ BASE_CLASS = "controller_interface::ControllerBase"
 class ControllerManager(Outlet):
     """Answers as controller_manager does: false, with an error in the log, for what cannot be done."""
 
-    def open(self):
+    def open(self) -> None:
         self._space = self.model.description.control_namespace
         self._adapters, self._types_asked = {}, {}
         for name, kind, answer in (("load_controller", LoadController, self._load),
@@ -28,9 +30,10 @@ class ControllerManager(Outlet):
                                    ("reload_controller_libraries", ReloadControllerLibraries, self._reload)):
             self._serve(name, kind, answer)
 
-    def _serve(self, name, kind, answer):
+    def _serve(self, name: str, kind: typing.Any,
+               answer: typing.Callable[[typing.Any], typing.Tuple[typing.Any, ...]]) -> None:
         """answer(request) returns the response's fields; what the simulator refuses is false."""
-        def respond(request):
+        def respond(request: typing.Any) -> typing.Any:
             try:
                 return kind._response_class(*answer(request))
             except ArasError as error:
@@ -39,16 +42,16 @@ class ControllerManager(Outlet):
         self.serve(joined(self._space, "controller_manager", name), kind,
                    lambda request: self.work.call(lambda: respond(request)))
 
-    def _loaded(self):
+    def _loaded(self) -> typing.List[typing.Dict[str, typing.Any]]:
         """Those of ros_control: wheels that a plugin drives are not among them."""
         return [each for each in self.simulation.loaded_controllers() if each["name"] in self._adapters]
 
-    def _tell(self, text):
+    def _tell(self, text: str) -> None:
         rospy.logerr("%s: %s" % (joined(self._space, "controller_manager"), text))
 
     # --- services
 
-    def _load(self, request):
+    def _load(self, request: typing.Any) -> typing.Tuple[typing.Any, ...]:
         try:
             asked = rospy.get_param(joined(self._space, request.name), None) or {}
             kind = asked.get("type", "") if isinstance(asked, dict) else ""
@@ -65,18 +68,18 @@ class ControllerManager(Outlet):
             return (False,)
         return (True,)
 
-    def _adapt(self, name, kind, joints):
+    def _adapt(self, name: str, kind: str, joints: typing.List[str]) -> None:
         """Gives topics to a controller that is loaded."""
         self._adapters[name] = ADAPTERS[kind](name, joined(self._space, name), self._space, self.model, joints,
                                               self.work, self.world)
         self._types_asked[name] = kind
 
-    def _unload(self, request):
+    def _unload(self, request: typing.Any) -> typing.Tuple[typing.Any, ...]:
         self.model.unload_controller(request.name)
         self._adapters.pop(request.name).close()
         return (True,)
 
-    def _switch(self, request):
+    def _switch(self, request: typing.Any) -> typing.Tuple[typing.Any, ...]:
         strictness = request.strictness
         if strictness not in (SwitchControllerRequest.BEST_EFFORT, SwitchControllerRequest.STRICT):
             rospy.logwarn("%s: To switch controllers you need to specify a strictness level of STRICT (2) or "
@@ -86,7 +89,7 @@ class ControllerManager(Outlet):
         self._follow()
         return (True,)
 
-    def find_loaded(self):
+    def find_loaded(self) -> None:
         """Gives topics to the controllers that are loaded now: the model became another."""
         loaded = {each["name"]: each for each in self.simulation.loaded_controllers()
                   if each["name"] in self.model.loaded}
@@ -97,7 +100,7 @@ class ControllerManager(Outlet):
                 self._adapt(name, self.model.loaded[name][1], each["joints"])
         self._follow()
 
-    def _follow(self):
+    def _follow(self) -> None:
         """Tells the adapters what runs now."""
         for each in self._loaded():
             adapter = self._adapters[each["name"]]
@@ -107,7 +110,7 @@ class ControllerManager(Outlet):
             elif adapter.running and not runs:
                 adapter.stopped()
 
-    def _list(self, _request):
+    def _list(self, _request: typing.Any) -> typing.Tuple[typing.Any, ...]:
         states = []
         for each in self._loaded():
             claimed = HardwareInterfaceResources(each["hardware_interface"], each["joints"])
@@ -115,11 +118,11 @@ class ControllerManager(Outlet):
         return (states,)
 
     @staticmethod
-    def _types(_request):
+    def _types(_request: typing.Any) -> typing.Tuple[typing.Any, ...]:
         types = sorted(ADAPTERS)
         return types, [BASE_CLASS] * len(types)
 
-    def _reload(self, request):
+    def _reload(self, request: typing.Any) -> typing.Tuple[typing.Any, ...]:
         """There are no libraries: what can be done is to kill all controllers."""
         loaded = self._loaded()
         if loaded and not request.force_kill:
@@ -136,18 +139,18 @@ class ControllerManager(Outlet):
     # --- time
 
     @property
-    def next_ns(self):
+    def next_ns(self) -> int:
         return min((each.next_ns for each in self._adapters.values()), default=NEVER_NS)
 
-    def publish(self, now_ns):
+    def publish(self, now_ns: int) -> None:
         for adapter in list(self._adapters.values()):
             adapter.publish(now_ns)
 
-    def time_reset(self, now_ns):
+    def time_reset(self, now_ns: int) -> None:
         for adapter in self._adapters.values():
             adapter.time_reset(now_ns)
 
-    def close(self):
+    def close(self) -> None:
         super().close()
         for adapter in self._adapters.values():
             adapter.close()

@@ -1,5 +1,6 @@
 """Warnings that many elements of a description have in common, as one line each."""
 import re
+import typing
 
 #: What the simulator says of an element that it does not know.
 IGNORED = re.compile(r"^URDF string:\d+: <(?P<tag>[^>]+)>: (?:in <gazebo reference='(?P<gazebo>[^']*)'>: |"
@@ -7,7 +8,7 @@ IGNORED = re.compile(r"^URDF string:\d+: <(?P<tag>[^>]+)>: (?:in <gazebo referen
 MOST_NAMES = 4  #: of links and joints in a line
 
 
-def summed_up(warnings):
+def summed_up(warnings: typing.List[str]) -> typing.List[str]:
     """The same warnings: equal ones once, and elements that are ignored in one line for each kind, in their order."""
     lines, places = {}, {}
     for warning in warnings:
@@ -21,7 +22,7 @@ def summed_up(warnings):
     return [ignored(line, places[line]) if line in places else line for line in lines]
 
 
-def ignored(tag, places):
+def ignored(tag: str, places: typing.List[str]) -> str:
     names = list(dict.fromkeys(place for place in places if place))
     more = " and %d more" % (len(names) - MOST_NAMES) if len(names) > MOST_NAMES else ""
     shown = ", ".join(names[:MOST_NAMES]) + more

@@ -1,6 +1,8 @@
 """Where wheels have carried a base."""
 import math
+import typing
 
+import numpy
 from geometry_msgs.msg import Transform, TransformStamped, Vector3
 from nav_msgs.msg import Odometry
 
@@ -16,12 +18,12 @@ class WheelOdometry:
         x_m, y_m, yaw_rad: where the base is, from where it began.
     """
 
-    def __init__(self, separation_m, left_radius_m, right_radius_m):
+    def __init__(self, separation_m: float, left_radius_m: float, right_radius_m: float) -> None:
         self.separation_m, self.left_radius_m, self.right_radius_m = separation_m, left_radius_m, right_radius_m
         self._turned = None
         self.x_m = self.y_m = self.yaw_rad = 0.0
 
-    def update(self, left_rad, right_rad):
+    def update(self, left_rad: float, right_rad: float) -> None:
         """Takes the angles that the wheels have turned by since any time."""
         before, self._turned = self._turned or (left_rad, right_rad), (left_rad, right_rad)
         left = self.left_radius_m * (left_rad - before[0])
@@ -32,18 +34,20 @@ class WheelOdometry:
         self.y_m += 0.5 * (left + right) * math.sin(middle)
         self.yaw_rad += turn
 
-    def pose(self):
+    def pose(self) -> numpy.ndarray:
         """(4, 4)."""
         half = 0.5 * self.yaw_rad
         return matrix_of((self.x_m, self.y_m, 0.0), (0.0, 0.0, math.sin(half), math.cos(half)), "odometry")
 
-    def velocity(self, left_rad_s, right_rad_s):
+    def velocity(self, left_rad_s: float, right_rad_s: float) -> typing.Tuple[float, float, float]:
         """Forward [m/s], sideways [m/s] and turn [rad/s] of the base."""
         left, right = self.left_radius_m * left_rad_s, self.right_radius_m * right_rad_s
         return 0.5 * (left + right), 0.0, (right - left) / self.separation_m
 
 
-def odometry_message(now_ns, frame, base_frame, pose, velocity, pose_variances, twist_variances=(0.0,) * 6):
+def odometry_message(now_ns: int, frame: str, base_frame: str, pose: numpy.ndarray, velocity: typing.Sequence[float],
+                     pose_variances: typing.Sequence[float],
+                     twist_variances: typing.Sequence[float] = (0.0,) * 6) -> Odometry:
     """nav_msgs/Odometry of a pose (4, 4) and of forward, sideways and turn; variances x, y, z, roll, pitch, yaw."""
     message = stamped(Odometry, now_ns, frame, child_frame_id=base_frame)
     message.pose.pose = pose_message(pose)
@@ -54,7 +58,7 @@ def odometry_message(now_ns, frame, base_frame, pose, velocity, pose_variances, 
     return message
 
 
-def transform_message(header, child, pose):
+def transform_message(header: typing.Any, child: str, pose: typing.Any) -> TransformStamped:
     """geometry_msgs/TransformStamped of a geometry_msgs/Pose."""
     place = Vector3(pose.position.x, pose.position.y, pose.position.z)
     return TransformStamped(header, child, Transform(place, pose.orientation))

@@ -1,10 +1,12 @@
 """The programs gzserver and gazebo: the node `gazebo` with the command line of Gazebo's server."""
 import argparse
+import typing
 
 import rospy
 
 from ..faults import REFUSED
-from ..sdf.world import EMPTY_WORLD, read_world
+from ..sdf.document import NoFolders
+from ..sdf.world import EMPTY_WORLD, WorldFile, read_world
 from .folders import Folders
 from .server import CLOCK_RATE_HZ, Server
 
@@ -19,7 +21,7 @@ WITH_VALUE = ("-e", "--physics", "-s", "--server-plugin", "-g", "--gui-plugin", 
               "--initial_sim_time")
 
 
-def parsed(arguments):
+def parsed(arguments: typing.Sequence[str]) -> typing.Tuple[str, bool, typing.List[str]]:
     """(world file or "", paused, what is ignored) of a command line."""
     parser = argparse.ArgumentParser(prog="gzserver", description="The simulator under the name of Gazebo's server.")
     parser.add_argument("-u", "--pause", action="store_true", help="time stands still at first")
@@ -30,7 +32,7 @@ def parsed(arguments):
     return known.world, known.pause, others
 
 
-def main():
+def main() -> int:
     world, paused, others = parsed(rospy.myargv()[1:])
     rospy.init_node("gazebo", disable_signals=False)
     for other in others:
@@ -55,7 +57,7 @@ class NoSuchWorldError(Exception):
     """There is no file of this name."""
 
 
-def world_of(name, folders):
+def world_of(name: str, folders: NoFolders) -> WorldFile:
     """WorldFile of a name. Raises: NoSuchWorldError, ModelError."""
     path = folders.resource(name)
     if path is not None:

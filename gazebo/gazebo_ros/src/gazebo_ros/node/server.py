@@ -1,14 +1,20 @@
 """The node: one thread that steps the world, publishes, and answers calls."""
 import functools
 import time
+import typing
 
+import numpy
 import rospy
 from rosgraph_msgs.msg import Clock
 
 from aras_visual_servo_sim import ArasError
 
 from ..faults import told
+from ..sdf.document import NoFolders
+from ..sdf.world import WorldFile
 from ..world import snapshot
+from ..world.model import Model
+from ..world.settings import WorldSettings
 from ..world.world import World
 from .cameras import Cameras
 from .controller_manager import ControllerManager
@@ -34,7 +40,8 @@ UPDATE_RATE_HZ = 1000.0
 class Server:
     """Attributes: world: World.  work: Work, calls for the world's thread.  paused, update_rate_hz: as set."""
 
-    def __init__(self, settings, folders, paused=False, clock_rate_hz=CLOCK_RATE_HZ):
+    def __init__(self, settings: WorldSettings, folders: NoFolders, paused: bool = False,
+                 clock_rate_hz: float = CLOCK_RATE_HZ) -> None:
         """Args: settings: WorldSettings.  folders: Folders."""
         self.world, self.work, self.paused = World(settings, folders), Work(), paused
         self.update_rate_hz = UPDATE_RATE_HZ
@@ -51,18 +58,18 @@ class Server:
 
     # --- what the services ask for, in the world's thread
 
-    def spawn(self, name, xml, namespace, pose, frame):
+    def spawn(self, name: str, xml: str, namespace: str, pose: numpy.ndarray, frame: str) -> None:
         """Raises: ModelError."""
         self._welcome(self.world.spawn(name, xml, namespace, pose, frame))
 
-    def spawn_sdf(self, name, xml, namespace, pose, frame):
+    def spawn_sdf(self, name: str, xml: str, namespace: str, pose: numpy.ndarray, frame: str) -> None:
         """Raises: ArasError."""
         described = rospy.get_param((namespace.rstrip("/") or "") + "/robot_description", "")
         model = self.world.spawn_sdf(name, xml, namespace, pose, frame, described)
         if model is not None:
             self._welcome(model)
 
-    def fill(self, file):
+    def fill(self, file: WorldFile) -> None:
         """Puts what a .world file has into the world; what cannot be is warned about. Args: file: WorldFile."""
         self.update_rate_hz = file.update_rate_hz
         warnings = [*file.warnings, *self.world.take_lights(file.lights)]
@@ -80,7 +87,7 @@ class Server:
         self._of_world += self._opened("world", makers)
         self._restart_pace()
 
-    def _welcome(self, model):
+    def _welcome(self, model: Model) -> None:
         """Gives a new model its topics and services, and says what is ignored of it."""
         name = model.name
         if model.warnings:
@@ -93,7 +100,7 @@ class Server:
         self._interfaces[name] = self._opened("model '%s'" % name, makers)
 
     @staticmethod
-    def _opened(owner, makers):
+    def _opened(owner: str, makers: typing.Iterable[functools.partial]) -> typing.List[Outlet]:
         """What these functions make; what they cannot is left out, with an error."""
         made = []
         for make in makers:
@@ -103,7 +110,7 @@ class Server:
                 rospy.logerr(told("plugin", "%s: %s" % (owner, make.func.__name__), named(error)))
         return made
 
-    def _leave_out(self, outlet, error):
+    def _leave_out(self, outlet: Outlet, error: Exception) -> None:
         """Closes what a plugin publishes: it cannot go on, the world can."""
         owner = next((each for each in (self._of_world, *self._interfaces.values()) if outlet in each), None)
         if owner is None:
@@ -113,21 +120,21 @@ class Server:
         name = "world" if owner is self._of_world else "model '%s'" % outlet.model.name
         rospy.logerr(told("plugin", "%s: %s" % (name, type(outlet).__name__), named(error)))
 
-    def delete(self, name):
+    def delete(self, name: str) -> None:
         for interface in self._interfaces.pop(name):
             interface.close()
         self.world.delete(name)
 
-    def pause(self, paused):
+    def pause(self, paused: bool) -> None:
         self.paused = paused
         self._restart_pace()
 
-    def placed(self, name):
+    def placed(self, name: str) -> None:
         """A model was placed from outside: that answers its images."""
         if name == self._lockstep:
             self._asked_s = None
 
-    def _held(self):
+    def _held(self) -> bool:
         """Whether time stands still until somebody answers an image."""
         if self._asked_s is None:
             return False
@@ -138,7 +145,7 @@ class Server:
         self._asked_s = None
         return False
 
-    def set_physics(self, period_s, gravity_m_s2, update_rate_hz):
+    def set_physics(self, period_s: float, gravity_m_s2: typing.Sequence[float], update_rate_hz: float) -> None:
         """Args: update_rate_hz: steps per second of wall time at most; 0: as many as there can be. Raises: ArasError.
         """
         before = self.world.epoch_ns
@@ -148,7 +155,7 @@ class Server:
             self._tell_time()
         self._restart_pace()
 
-    def restore(self, state):
+    def restore(self, state: bytes) -> None:
         """Makes the world what it was when the state was saved. Raises: ArasError; nothing changes then."""
         before = dict(self.world.models)
         snapshot.restore(self.world, state)
@@ -165,12 +172,12 @@ class Server:
         self._tell_time()
         self._restart_pace()
 
-    def _tell_time(self):
+    def _tell_time(self) -> None:
         """Lets all that publishes at a rate begin anew."""
         for outlet in self._outlets():
             outlet.time_reset(self.world.time_ns)
 
-    def reset(self, time_too):
+    def reset(self, time_too: bool) -> None:
         if time_too:
             self.world.reset_simulation()
             self._tell_time()
@@ -178,15 +185,15 @@ class Server:
             self.world.reset_world()
         self._restart_pace()
 
-    def model_names(self):
+    def model_names(self) -> typing.List[str]:
         return self.world.names
 
     # --- time
 
-    def _restart_pace(self):
+    def _restart_pace(self) -> None:
         self._begun_ns, self._begun_s = self.world.time_ns, time.monotonic()
 
-    def _ahead_s(self, time_ns):
+    def _ahead_s(self, time_ns: int) -> float:
         """Wall time to wait before simulated time may be this."""
         factor = self.update_rate_hz * self.world.settings.period_s
         if factor <= 0.0:
@@ -196,14 +203,14 @@ class Server:
             self._restart_pace()
         return max(0.0, ahead_s)
 
-    def _outlets(self):
+    def _outlets(self) -> typing.Iterator[Outlet]:
         yield self._states
         yield self._pushes
         yield from self._of_world
         for interfaces in self._interfaces.values():
             yield from interfaces
 
-    def run(self):
+    def run(self) -> None:
         """Returns when ROS shuts down."""
         try:
             while not rospy.is_shutdown():
@@ -225,7 +232,7 @@ class Server:
         finally:
             self.work.close()
 
-    def _next_stop(self):
+    def _next_stop(self) -> int:
         """When something is due, or the clock; a whole number of periods."""
         now_ns, period_ns = self.world.time_ns, self.world.period_ns
         due_ns = min((outlet.next_ns for outlet in self._outlets()), default=NEVER_NS)
@@ -233,7 +240,7 @@ class Server:
         ticks = max(1, -(-(min(due_ns, clock_ns) - now_ns) // period_ns))
         return now_ns + ticks * period_ns
 
-    def advance(self, target_ns):
+    def advance(self, target_ns: int) -> None:
         """Steps to a time and publishes what is due there."""
         try:
             self.world.step((target_ns - self.world.time_ns) // self.world.period_ns)
@@ -255,18 +262,18 @@ class Server:
         if self._lockstep and self._sent_images():
             self._asked_s = time.monotonic()
 
-    def _take_images(self, cameras):
+    def _take_images(self, cameras: typing.List[Cameras]) -> typing.Dict[str, typing.Any]:
         """Draws the images of these Cameras that are due. Returns what World.take_frames does."""
         wanted = [each for outlet in cameras for each in outlet.due(self.world.time_ns)]
         return self.world.core.take_frames(wanted) if wanted else {}
 
-    def _sent_images(self):
+    def _sent_images(self) -> bool:
         """Whether an image of the model of the lockstep went out at this time."""
         return any(isinstance(each, Cameras) and each.sent_ns == self.world.time_ns
                    for each in self._interfaces.get(self._lockstep, ()))
 
 
-def named(error):
+def named(error: Exception) -> str:
     """An exception by its kind and text."""
     return "%s: %s" % (type(error).__name__, error)
 
@@ -275,9 +282,9 @@ class PushesOutlet(Outlet):
     """Lets forces from outside begin and end when they are due."""
 
     @property
-    def next_ns(self):
+    def next_ns(self) -> int:
         return self.world.pushes.next_ns
 
-    def publish(self, now_ns):
+    def publish(self, now_ns: int) -> None:
         if self.next_ns <= now_ns:
             self.world.pushes.act(now_ns)

@@ -1,4 +1,6 @@
 """The topics /gazebo/model_states and link_states, while somebody listens; /gazebo/set_model_state."""
+import typing
+
 from gazebo_msgs.msg import LinkStates, ModelState, ModelStates
 from geometry_msgs.msg import Pose, Twist
 
@@ -6,13 +8,17 @@ from ..sdf.world import GROUND
 from .convert import pose_message, twist_message
 from .outlet import Outlet
 
+if typing.TYPE_CHECKING:
+    from .server import Server
+    from .services.world_services import WorldServices
+
 GROUND_LINK = "link"  #: of the model ground_plane
 
 
 class StateTopics(Outlet):
     rate_hz = 100.0  # Gazebo sends them at every step
 
-    def __init__(self, server, services):
+    def __init__(self, server: "Server", services: "WorldServices") -> None:
         self._server = server
         super().__init__(server.world, None, server.work)
         self._models = self.advertise("/gazebo/model_states", ModelStates)
@@ -20,7 +26,7 @@ class StateTopics(Outlet):
         self.listen("/gazebo/set_model_state", ModelState, services.place)
         self.begin(0)
 
-    def send(self, _now_ns):
+    def send(self, _now_ns: int) -> None:
         """As publishModelStates and publishLinkStates of gazebo_ros_api_plugin.cpp: models as the world counts them,
         links as each model has them."""
         models, names = self.world.models, self.world.names
@@ -37,7 +43,7 @@ class StateTopics(Outlet):
                 twist=[twist_message(model.link_twist(link)) if model else Twist() for model, link in links]))
 
 
-def still():
+def still() -> Pose:
     pose = Pose()
     pose.orientation.w = 1.0
     return pose

@@ -2,6 +2,7 @@
 import concurrent.futures
 import queue
 import time
+import typing
 
 import rospy
 
@@ -15,14 +16,14 @@ class WorldGoneError(Exception):
 class Work:
     """A queue of calls. Callbacks of rospy run in threads of their own; the world is touched by one thread alone."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         self._queue, self._closed = queue.Queue(), False
 
-    def post(self, action, name=""):
+    def post(self, action: typing.Callable[[], typing.Any], name: str = "") -> None:
         """Lets action() be called soon; what it returns is lost, and what it raises is logged under this name."""
         self._queue.put((action, name, None))
 
-    def call(self, action):
+    def call(self, action: typing.Callable[[], typing.Any]) -> typing.Any:
         """Calls action() in the world's thread and waits. Returns what it returns, raises what it raises."""
         answer = concurrent.futures.Future()
         self._queue.put((action, "", answer))
@@ -32,7 +33,7 @@ class Work:
                 raise WorldGoneError("the world does not answer any more")
         return answer.result()
 
-    def run(self, wait_s):
+    def run(self, wait_s: float) -> None:
         """Does all that is there; when there is nothing, waits up to this wall time for the first."""
         try:
             item = self._queue.get(wait_s > 0.0, max(wait_s, 1e-6))
@@ -43,7 +44,8 @@ class Work:
             pass
 
     @staticmethod
-    def _do(action, name, answer):
+    def _do(action: typing.Callable[[], typing.Any], name: str,
+            answer: typing.Optional[concurrent.futures.Future]) -> None:
         try:
             value = action()
             if answer is not None:
@@ -54,5 +56,5 @@ class Work:
             else:
                 rospy.logerr("%s: %s" % (name or type(error).__name__, error))
 
-    def close(self):
+    def close(self) -> None:
         self._closed = True

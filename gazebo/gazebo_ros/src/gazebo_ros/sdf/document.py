@@ -1,5 +1,7 @@
 """Documents of SDF: what libsdformat makes of them, with what they include, and poses in them."""
 import os
+import typing
+import xml.etree.ElementTree as ElementTree
 
 import numpy
 
@@ -9,7 +11,7 @@ from ..world.poses import matrix_of, matrix_of_rpy
 from .mend import Reader
 
 
-def expanded(source, is_path, folders):
+def expanded(source: str, is_path: bool, folders: "NoFolders") -> typing.Tuple[ElementTree.Element, typing.List[str]]:
     """A document in the newest version of SDF, everything that it includes in its place.
 
     Args: source: a path, or the document.  folders: as World has them.
@@ -20,7 +22,7 @@ def expanded(source, is_path, folders):
     return reader.expanded(source, is_path), reader.warnings
 
 
-def found(uri, folders):
+def found(uri: str, folders: "NoFolders") -> str:
     """Path of what a URI names, "" if it is nowhere: model:// and package:// of a folder, file:// and plain ones of a
     path, or of one that begins where resources are, or of one from another machine that ends in a file of a package or
     model (/opt/ros/melodic/share/PACKAGE/..., as Gazebo saves it)."""
@@ -38,7 +40,7 @@ def found(uri, folders):
     return folders.resource(path) or ""
 
 
-def moved(path, folders):
+def moved(path: str, folders: "NoFolders") -> str:
     """The file of a package or model in which a path of another machine ends, "" if there is none."""
     names = path.strip("/").split("/")
     for k, name in enumerate(names[:-1]):
@@ -51,16 +53,16 @@ def moved(path, folders):
 class NoFolders:
     """Where packages, models and resources are: nowhere."""
 
-    def __call__(self, name):
+    def __call__(self, name: str) -> typing.Optional[str]:
         """Folder of a package or model, or None."""
         return None
 
-    def resource(self, path):
+    def resource(self, path: str) -> typing.Optional[str]:
         """Whole path of a file that is named from where resources are, or None."""
         return None
 
 
-def numbers(text, count, what):
+def numbers(text: typing.Optional[str], count: int, what: str) -> typing.List[float]:
     """Raises: ModelError unless there are so many finite numbers."""
     try:
         values = [float(word) for word in (text or "").split()]
@@ -72,13 +74,13 @@ def numbers(text, count, what):
     return values
 
 
-def number(element, path, otherwise, what):
+def number(element: ElementTree.Element, path: str, otherwise: float, what: str) -> float:
     """A number in the text of a descendant. Raises: ModelError."""
     text = element.findtext(path)
     return otherwise if text is None or not text.strip() else numbers(text, 1, "%s: <%s>" % (what, path))[0]
 
 
-def pose_of(element, what):
+def pose_of(element: ElementTree.Element, what: str) -> numpy.ndarray:
     """(4, 4) of an element's <pose>, in the frame that it stands in. Raises: ModelError."""
     pose = element.find("pose")
     if pose is None or not (pose.text or "").strip():

@@ -1,5 +1,6 @@
 """Where the links, joints and frames of an SDF model are."""
 import dataclasses
+import typing
 import xml.etree.ElementTree as ElementTree
 
 import numpy
@@ -24,25 +25,28 @@ class Part:
 class Frames:
     """The parts of a model by name, and their poses in the model's frame."""
 
-    def __init__(self, model, warnings):
+    def __init__(self, model: ElementTree.Element, warnings: typing.List[str]) -> None:
         """Args: model: <model>.  warnings: list, given a line for each frame that is not there."""
         self.links, self.joints, self.models, self._others = {}, {}, {}, {}
         self._warnings, self._known = warnings, {}
         self._add(model, "")
 
-    def _add(self, model, scope):
-        for kind, parts in (("link", self.links), ("joint", self.joints), ("frame", self._others),
-                            ("model", self.models)):
-            for element in model.findall(kind):
-                name = scope + element.get("name", "")
-                if name in parts:
-                    self._warnings.append("<%s name='%s'>: is there twice: the second is ignored" % (kind, name))
-                    continue
-                parts[name] = Part(name, element, scope)
-                if kind == "model":
-                    self._add(element, name + "::")
+    def _add(self, model: ElementTree.Element, scope: str) -> None:
+        """In the order of the document, in which sdformat's addNestedModel puts what a model includes."""
+        kinds = {"link": self.links, "joint": self.joints, "frame": self._others, "model": self.models}
+        for element in model:
+            parts = kinds.get(element.tag)
+            name = scope + element.get("name", "")
+            if parts is None:
+                continue
+            if name in parts:
+                self._warnings.append("<%s name='%s'>: is there twice: the second is ignored" % (element.tag, name))
+                continue
+            parts[name] = Part(name, element, scope)
+            if element.tag == "model":
+                self._add(element, name + "::")
 
-    def pose(self, name, under=()):
+    def pose(self, name: str, under: typing.Tuple[str, ...] = ()) -> numpy.ndarray:
         """X_MA of a link, joint, frame or nested model A, (4, 4). What is not there counts as the model itself."""
         if name in ("", MODEL):
             return numpy.eye(4)
@@ -58,14 +62,14 @@ class Frames:
             self._known[name] = self.pose(self._parent(part), (*under, name)) @ self._own_pose(part.element, name)
         return self._known[name]
 
-    def _own_pose(self, element, name):
+    def _own_pose(self, element: ElementTree.Element, name: str) -> numpy.ndarray:
         try:
             return pose_of(element, name)
         except ModelError as error:
             self._warnings.append(told("origin", "<%s name='%s'>" % (element.tag, name), error))
             return numpy.eye(4)
 
-    def _parent(self, part):
+    def _parent(self, part: Part) -> str:
         """Name of the frame that a part's pose is given in."""
         pose = part.element.find("pose")
         relative_to = pose.get("relative_to", "") if pose is not None else ""
@@ -76,12 +80,12 @@ class Frames:
         return part.scope + relative_to
 
     @staticmethod
-    def end(joint, tag):
+    def end(joint: Part, tag: str) -> str:
         """Name of the link at a joint's <parent> or <child>; "world" is nobody's."""
         name = (joint.element.findtext(tag) or "").strip()
         return name if name == "world" else joint.scope + name
 
-    def axis(self, joint):
+    def axis(self, joint: Part) -> numpy.ndarray:
         """Unit vector of a joint's axis in its own frame, (3,); z if there is none."""
         xyz = joint.element.find("axis/xyz")
         if xyz is None:

@@ -1,6 +1,7 @@
 """Materials of Gazebo's own script that have a picture, as plain colours of ours in the same tone.
 
 The pictures belong to Gazebo and are not there. The plain colours (Gazebo/Red, ...) are read by the simulator."""
+import typing
 import xml.etree.ElementTree as ElementTree
 
 #: Red, green, blue, 0 .. 1, by the name behind `Gazebo/`.
@@ -25,13 +26,13 @@ SEEN_THROUGH = "Transparent"  #: ends the names of materials that are half trans
 TRANSPARENCY = 0.5
 
 
-def color_of(name):
+def color_of(name: str) -> typing.Optional[str]:
     """Returns the colour of a material of Gazebo's, as a text of four numbers, or None: it has none here."""
     scope, _, name = name.strip().rpartition("/")
     return "%g %g %g 1" % COLORS[name] if scope == "Gazebo" and name in COLORS else None
 
 
-def replace_pictures(robot):
+def replace_pictures(robot: ElementTree.Element) -> typing.List[str]:
     """Puts colours in the place of the names of such materials in the <gazebo> tags of a URDF.
 
     Returns: a line for each material.
@@ -57,7 +58,7 @@ def replace_pictures(robot):
             if not item[0].endswith(SEEN_THROUGH)]
 
 
-def give(look, material, name, color):
+def give(look: ElementTree.Element, material: ElementTree.Element, name: str, color: str) -> None:
     """Gives a <material> the colours that it does not state, and its <visual> the transparency."""
     for key in ("ambient", "diffuse"):
         if material.find(key) is None:

@@ -1,17 +1,20 @@
 """Materials of a package's own scripts, written for the renderer OGRE: the colours and the picture of each."""
 import dataclasses
+import math
 import os
 import re
 import typing
 import xml.etree.ElementTree as ElementTree
 
-from .document import found
+import numpy
+
+from .document import NoFolders, found
 
 #: Begins the name of a URDF material whose picture a script gives.
 SCRIPTED = "script: "
 COLORS = ("ambient", "diffuse", "specular", "emissive")
 #: Keywords that open a part, or say nothing that is drawn differently here.
-QUIET = {"technique", "pass", "texture_unit", "texture", "receive_shadows", "tex_address_mode", "filtering",
+QUIET = {"technique", "pass", "texture_unit", "texture", "receive_shadows", "filtering",
          "max_anisotropy", "mipmap_bias", "tex_coord_set", "colour_op", "{", "}"}
 PICTURES = (".png", ".jpg", ".jpeg", ".tga", ".bmp")
 
@@ -24,31 +27,51 @@ class Material:
     specular: typing.Optional[list] = None
     emissive: typing.Optional[list] = None
     texture: str = ""     #: name of the picture's file, as written
+    scale: tuple = (1.0, 1.0)   #: width and height of the picture on the surface; below 1 it repeats
+    scroll: tuple = (0.0, 0.0)  #: shares of the picture by which it lies further left and further up
+    rotate: float = 0.0         #: degrees, about the middle of the picture
+    address: str = "wrap"       #: what lies beyond the picture's edges
     lit: bool = True      #: False: drawn in its own colour, without light and shadow
     ignored: tuple = ()   #: keywords
 
+    def texture_transform(self) -> typing.Optional[numpy.ndarray]:
+        """Returns (2, 3): (s, t) of the surface, right and down, to those of the picture; None: they are the same.
 
-def read_script(text):
-    """dict of name -> Material. What is no material is passed over; of a material's passes the first counts."""
+        Scale, then scroll, then rotate, scale and rotate about the middle: TextureUnitState::recalcTextureMatrix.
+        """
+        if (self.scale, self.scroll, self.rotate) == ((1.0, 1.0), (0.0, 0.0), 0.0):
+            return None
+        cos, sin = math.cos(math.radians(self.rotate)), math.sin(math.radians(self.rotate))
+        turn = numpy.array(((cos, -sin), (sin, cos)))
+        A = turn @ numpy.diag(1.0 / numpy.array(self.scale))
+        return numpy.column_stack((A, 0.5 - A @ (0.5, 0.5) + turn @ self.scroll))
+
+
+def read_script(text: str) -> typing.Dict[str, Material]:
+    """dict of name -> Material. What is no material is passed over; of a material's passes the first counts, and of
+    the texture units of this."""
     text = re.sub(r"/\*.*?\*/", " ", text, flags=re.DOTALL)
-    materials, name, depth, passes = {}, None, 0, 0
+    materials, name, depth, passes, units, unit_depth = {}, None, 0, 0, 0, 0
     for line in lines_of(text):
         words = line.split()
         keyword = words[0]
         if depth == 0 and keyword == "material" and len(words) > 1:
-            name, passes = words[1], 0
+            name, passes, units = words[1], 0, 0
             parent = words[3] if len(words) > 3 and words[2] == ":" else ""
             materials[name] = materials.get(parent, Material())
         elif depth > 0 and name is not None:
             passes += keyword == "pass"
-            if passes < 2:
+            if keyword == "texture_unit":
+                units, unit_depth = units + 1, depth
+            later = units > 1 and depth > unit_depth and materials[name].texture
+            if passes < 2 and not later:
                 materials[name] = told(materials[name], keyword, words[1:])
         depth += (keyword == "{") - (keyword == "}")
         name = None if depth == 0 and keyword == "}" else name
     return materials
 
 
-def lines_of(text):
+def lines_of(text: str) -> typing.Iterator[str]:
     """Lines that say something, a brace on a line of its own."""
     for line in text.splitlines():
         for part in re.split(r"([{}])", line.partition("//")[0]):
@@ -56,7 +79,7 @@ def lines_of(text):
                 yield part.strip()
 
 
-def told(material, keyword, words):
+def told(material: Material, keyword: str, words: typing.List[str]) -> Material:
     """The material with what a line says of it."""
     if keyword in COLORS:
         numbers = [each for each in map(number_of, words[:4])]
@@ -64,7 +87,14 @@ def told(material, keyword, words):
         if len(numbers) >= 3 and None not in numbers[:3]:
             return dataclasses.replace(material, **{keyword: numbers[:min(count, 4)]})
     if keyword == "texture" and words:
-        return dataclasses.replace(material, texture=material.texture or words[0].strip('"'))
+        return dataclasses.replace(material, texture=words[0].strip('"'))
+    if keyword in ("scale", "scroll", "rotate"):
+        numbers = [number_of(word) for word in words]
+        if None not in numbers and len(numbers) == (1 if keyword == "rotate" else 2) and (
+                keyword != "scale" or all(numbers)):
+            return dataclasses.replace(material, **{keyword: tuple(numbers) if len(numbers) > 1 else numbers[0]})
+    if keyword == "tex_address_mode" and words:
+        return dataclasses.replace(material, address=" ".join(words))
     if keyword == "lighting" and words:
         return dataclasses.replace(material, lit=words[0] != "off")
     if keyword in QUIET or keyword in material.ignored:
@@ -72,14 +102,16 @@ def told(material, keyword, words):
     return dataclasses.replace(material, ignored=(*material.ignored, keyword))
 
 
-def number_of(word):
+def number_of(word: str) -> typing.Optional[float]:
+    """Returns a finite number, None of anything else."""
     try:
-        return float(word)
+        number = float(word)
     except ValueError:
         return None
+    return number if math.isfinite(number) else None
 
 
-def resolve_scripts(robot, folders, warnings):
+def resolve_scripts(robot: ElementTree.Element, folders: NoFolders, warnings: typing.List[str]) -> None:
     """Puts what scripts say in the place of their names, in the <gazebo> tags of a URDF.
 
     Args:
@@ -104,6 +136,13 @@ def resolve_scripts(robot, folders, warnings):
                 picture = picture_named(described.texture, places)
                 if picture:
                     set_picture(robot, gazebo.get("reference"), look.get("name"), name, picture)
+                    transform = described.texture_transform()
+                    if transform is not None:
+                        ElementTree.SubElement(material, "texture_transform").text = " ".join(
+                            repr(float(value)) for value in transform.ravel())
+                        if set(described.address.split()) != {"wrap"}:
+                            warnings.append("material '%s': tex_address_mode %s: its picture repeats" %
+                                            (name, described.address))
                     for key in ("ambient", "diffuse"):  # the picture says it
                         for old in material.findall(key):
                             material.remove(old)
@@ -112,7 +151,7 @@ def resolve_scripts(robot, folders, warnings):
                     warnings.append("material '%s': picture %s is not found: ignored" % (name, described.texture))
 
 
-def light_of_its_own(material, name):
+def light_of_its_own(material: ElementTree.Element, name: str) -> typing.List[str]:
     """Turns <emissive> of a material with a picture into what Gazebo draws. Returns warnings.
 
     Gazebo multiplies the picture by the sum of all light that it gets and gives, 1 at most. A picture that gives 1 of
@@ -134,7 +173,7 @@ def light_of_its_own(material, name):
     return []
 
 
-def material_named(name, places):
+def material_named(name: str, places: typing.List[str]) -> typing.Optional[Material]:
     """Material of the first script in these files and folders that has it; None: nowhere."""
     for place in places if name else ():
         files = [place] if place.endswith(".material") else [
@@ -148,7 +187,7 @@ def material_named(name, places):
     return None
 
 
-def picture_named(name, places):
+def picture_named(name: str, places: typing.List[str]) -> str:
     """Whole path of a picture in these folders, or in textures/ beside them; "" if it is nowhere."""
     if not name.lower().endswith(PICTURES):
         return ""
@@ -160,7 +199,7 @@ def picture_named(name, places):
     return ""
 
 
-def apply(described, name, material):
+def apply(described: Material, name: str, material: ElementTree.Element) -> None:
     """Gives a <material> the colours that it does not state itself, and whether lights shine on it."""
     if not described.lit and material.find("lighting") is None:
         ElementTree.SubElement(material, "lighting").text = "false"
@@ -170,7 +209,8 @@ def apply(described, name, material):
             ElementTree.SubElement(material, key).text = " ".join(map(repr, color))
 
 
-def set_picture(robot, link, visual, name, picture):
+def set_picture(robot: ElementTree.Element, link: typing.Optional[str], visual: typing.Optional[str], name: str,
+                picture: str) -> None:
     """Puts a picture on a <visual> of a link, or on all of them if it has no name."""
     for element in robot.findall("link"):
         for shown in element.findall("visual") if element.get("name") == link else ():
@@ -181,7 +221,7 @@ def set_picture(robot, link, visual, name, picture):
                 ElementTree.SubElement(made, "texture", filename="file://" + picture)
 
 
-def painted(xml, folders):
+def painted(xml: str, folders: NoFolders) -> typing.Tuple[str, typing.List[str]]:
     """A URDF with what scripts of materials say in their place, and a list of what is ignored of them."""
     if "<script" not in xml:
         return xml, []
@@ -194,7 +234,7 @@ def painted(xml, folders):
     return ElementTree.tostring(robot, encoding="unicode"), warnings
 
 
-def with_transmissions(urdf, described):
+def with_transmissions(urdf: str, described: str) -> str:
     """A URDF with the <transmission>s that another one has of its joints."""
     if not described:
         return urdf

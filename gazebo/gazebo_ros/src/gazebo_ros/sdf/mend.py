@@ -12,7 +12,7 @@ import xml.parsers.expat
 
 from aras_visual_servo_sim import ModelError
 
-from .. import _sdf
+from .. import _sdf  # type: ignore[attr-defined]  # is compiled
 from ..faults import LEFT_OUT, REFUSED, told
 
 #: A time of a saved <state> without its nanoseconds, which Gazebo's SDF reads and libsdformat 12 does not.

@@ -1,6 +1,7 @@
 """A model of SDF as the URDF that the simulator reads, with what SDF says besides in <gazebo> tags."""
 import copy
 import dataclasses
+import typing
 import xml.etree.ElementTree as ElementTree
 
 import numpy
@@ -10,8 +11,8 @@ from aras_visual_servo_sim import ModelError
 from ..faults import told
 from ..world.poses import rpy_of
 from ..urdf.tree import DESCRIBED_BY
-from .document import found, number, numbers, pose_of
-from .frames import Frames
+from .document import NoFolders, found, number, numbers, pose_of
+from .frames import Frames, Part
 
 #: Ends the name of a link without mass that a joint moves, which stands where the joint is, when its child does not.
 JOINT_FRAME = "::joint_frame"
@@ -46,7 +47,7 @@ class SdfModel:
     warnings: tuple
 
 
-def model_of(element, folders):
+def model_of(element: ElementTree.Element, folders: NoFolders) -> SdfModel:
     """Args: element: <model>, of an expanded document.  folders: as World has them.
     Returns: SdfModel
     """
@@ -56,13 +57,13 @@ def model_of(element, folders):
 class Writer:
     """Writes one URDF."""
 
-    def __init__(self, model, folders):
+    def __init__(self, model: ElementTree.Element, folders: NoFolders) -> None:
         self._model, self._folders, self._warnings, self._planes = model, folders, [], []
         self._frames = Frames(model, self._warnings)
         self._static = model.findtext("static", "").strip() in ("true", "1")
         self._robot = ElementTree.Element("robot", {"name": model.get("name", "model"), DESCRIBED_BY: "sdf"})
 
-    def written(self):
+    def written(self) -> SdfModel:
         links, name = self._frames.links, self._model.get("name", "")
         if not links:
             self._warn("has no links: it cannot be seen")
@@ -87,10 +88,10 @@ class Writer:
         return SdfModel(name, ElementTree.tostring(self._robot, encoding="unicode"), pose, X_MR, tuple(self._planes),
                         tuple(dict.fromkeys(self._warnings)))
 
-    def _warn(self, text):
+    def _warn(self, text: str) -> None:
         self._warnings.append(text)
 
-    def _number(self, element, path, otherwise, what):
+    def _number(self, element: ElementTree.Element, path: str, otherwise: float, what: str) -> float:
         """A number in the text of a descendant, with a warning the default where it is none."""
         try:
             return number(element, path, otherwise, what)
@@ -98,7 +99,7 @@ class Writer:
             self._warn(told("element", what, error, "%g" % otherwise))
             return otherwise
 
-    def _pose(self, element, what):
+    def _pose(self, element: ElementTree.Element, what: str) -> numpy.ndarray:
         """(4, 4) of an element's <pose>, with a warning that of the element it stands in where it is none."""
         try:
             return pose_of(element, what)
@@ -106,13 +107,13 @@ class Writer:
             self._warn(told("origin", what, error))
             return numpy.eye(4)
 
-    def _gazebo(self, reference, *children):
+    def _gazebo(self, reference: str, *children: ElementTree.Element) -> ElementTree.Element:
         """A <gazebo> tag about a link, or about the model."""
         tag = ElementTree.SubElement(self._robot, "gazebo", **({"reference": reference} if reference else {}))
         tag.extend(copy.deepcopy(child) for child in children)
         return tag
 
-    def _extras(self):
+    def _extras(self) -> None:
         if self._static:
             ElementTree.SubElement(self._gazebo(""), "static").text = "true"
         models = [(self._model, "")] + [(part.element, part.name) for part in self._frames.models.values()]
@@ -125,7 +126,7 @@ class Writer:
 
     # --- joints
 
-    def _joints(self):
+    def _joints(self) -> typing.Dict[str, Part]:
         """dict of child link -> the joint that it hangs from; what cannot be is warned about."""
         links, joints = self._frames.links, {}
         for joint in self._frames.joints.values():
@@ -142,13 +143,13 @@ class Writer:
                 joints[child] = joint
         return joints
 
-    def _loops(self, joint, child, joints):
+    def _loops(self, joint: Part, child: str, joints: typing.Dict[str, Part]) -> bool:
         at = self._frames.end(joint, "parent")
         while at in joints and at != child:
             at = self._frames.end(joints[at], "parent")
         return at == child
 
-    def _joint(self, joint):
+    def _joint(self, joint: Part) -> None:
         kind, name = joint.element.get("type", ""), joint.name
         parent, child = self._frames.end(joint, "parent"), self._frames.end(joint, "child")
         if kind not in (*MOVING, "fixed"):
@@ -184,7 +185,7 @@ class Writer:
             if self._number(joint.element, "axis/dynamics/" + key, 0.0, name):
                 self._warn("joint '%s': <%s> is ignored" % (name, key))
 
-    def _hung(self, name, kind, parent, child, X_PC):
+    def _hung(self, name: str, kind: str, parent: str, child: str, X_PC: numpy.ndarray) -> ElementTree.Element:
         made = ElementTree.SubElement(self._robot, "joint", name=name, type=kind)
         ElementTree.SubElement(made, "origin", **origin(X_PC))
         ElementTree.SubElement(made, "parent", link=parent)
@@ -193,7 +194,7 @@ class Writer:
 
     # --- links
 
-    def _link(self, part):
+    def _link(self, part: Part) -> None:
         made = ElementTree.SubElement(self._robot, "link", name=part.name)
         self._inertial(part, made)
         if self._collides_itself(part):
@@ -212,13 +213,13 @@ class Writer:
             elif child.tag not in LINK_TAGS:
                 self._warn("<%s> in <link name='%s'>: ignored" % (child.tag, part.name))
 
-    def _collides_itself(self, part):
+    def _collides_itself(self, part: Part) -> bool:
         """Whether a link touches others of its model: as it says itself, else as its model does."""
         model = self._frames.models[part.scope[:-2]].element if part.scope else self._model
         said = part.element.findtext("self_collide") or model.findtext("self_collide") or "false"
         return said.strip() in ("true", "1")
 
-    def _inertial(self, part, made):
+    def _inertial(self, part: Part, made: ElementTree.Element) -> None:
         what = "<inertial> of link '%s'" % part.name
         inertial = part.element.find("inertial")
         inertial = ElementTree.Element("inertial") if inertial is None else inertial
@@ -229,7 +230,7 @@ class Writer:
             key: repr(self._number(inertial, "inertia/" + key, 1.0 if key[1] == key[2] else 0.0, what))
             for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")})
 
-    def _shape(self, part, element, made, name):
+    def _shape(self, part: Part, element: ElementTree.Element, made: ElementTree.Element, name: str) -> None:
         """A <visual> or <collision>."""
         what = "<%s> of link '%s'" % (element.tag, part.name)
         geometry = element.find("geometry")
@@ -263,9 +264,9 @@ class Writer:
             look.extend(copy.deepcopy(child) for child in element
                         if child.tag in ("material", "transparency", "cast_shadows"))
 
-    def _geometry(self, shape, what):
+    def _geometry(self, shape: ElementTree.Element, what: str) -> typing.Optional[ElementTree.Element]:
         """A shape's tag in URDF, or None with a warning."""
-        def sizes(tag, count):
+        def sizes(tag: str, count: int) -> str:
             return spaced(numbers(shape.findtext(tag), count, "%s: <%s>" % (what, tag)))
         if shape.tag == "box":
             return ElementTree.Element("box", size=sizes("size", 3))
@@ -292,7 +293,7 @@ class Writer:
         return ElementTree.Element("mesh", filename="file://" + path, scale=spaced(numbers(scale, 3, what)))
 
 
-def plain(element):
+def plain(element: ElementTree.Element) -> ElementTree.Element:
     """A sensor or light without what libsdformat adds that says nothing."""
     element = copy.deepcopy(element)
     for child in list(element):
@@ -301,7 +302,7 @@ def plain(element):
     return element
 
 
-def turned_up(normal):
+def turned_up(normal: typing.Sequence[float]) -> numpy.ndarray:
     """(4, 4) of a frame whose z is a normal."""
     z = numpy.asarray(normal, float)
     z = z / (numpy.linalg.norm(z) or 1.0)
@@ -313,9 +314,9 @@ def turned_up(normal):
     return pose
 
 
-def origin(pose):
+def origin(pose: numpy.ndarray) -> typing.Dict[str, str]:
     return {"xyz": spaced(pose[:3, 3]), "rpy": spaced(rpy_of(pose))}
 
 
-def spaced(values):
+def spaced(values: typing.Iterable[float]) -> str:
     return " ".join(repr(float(value)) for value in values)

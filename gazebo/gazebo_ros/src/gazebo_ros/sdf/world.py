@@ -1,5 +1,6 @@
 """What a .world file says: physics, light, and the models that are there at first."""
 import dataclasses
+import typing
 import xml.etree.ElementTree as ElementTree
 
 import numpy
@@ -7,10 +8,11 @@ import numpy
 from aras_visual_servo_sim import ModelError
 
 from ..faults import told
+from ..world.devices import Device
 from ..world.plugins import read_world_device
 from ..world.settings import WorldSettings
-from .document import expanded, number, numbers, pose_of
-from .model import model_of
+from .document import NoFolders, expanded, number, numbers, pose_of
+from .model import SdfModel, model_of
 
 #: What a world may have that changes nothing here.
 QUIET = {"name", "include", "model", "light", "physics", "gravity", "scene", "gui", "state", "magnetic_field",
@@ -45,7 +47,7 @@ class WorldFile:
     devices: tuple = ()
 
 
-def read_world(source, is_path, folders):
+def read_world(source: str, is_path: bool, folders: NoFolders) -> WorldFile:
     """Args: source: a path, or the document. Raises: ModelError: no SDF, or no world."""
     root, warnings = expanded(source, is_path, folders)
     world = root.find("world")
@@ -86,7 +88,7 @@ def read_world(source, is_path, folders):
     return WorldFile(settings, rate_hz, tuple(models), lights, tuple(warnings), ground_at, tuple(devices))
 
 
-def world_device(plugin, warnings):
+def world_device(plugin: ElementTree.Element, warnings: typing.List[str]) -> typing.List[Device]:
     """What a plugin of the world does, in a list: [] and a warning where it does nothing."""
     try:
         device = read_world_device(plugin)
@@ -98,19 +100,20 @@ def world_device(plugin, warnings):
     return [] if device is None else [device]
 
 
-def is_ground(model, X_WM):
+def is_ground(model: SdfModel, X_WM: numpy.ndarray) -> bool:
     """Whether this is the ground plane that every world has that includes it."""
     return model.name == GROUND and len(model.planes) == 1 and height_of(X_WM @ model.planes[0]) == 0.0
 
 
-def height_of(X_WP):
+def height_of(X_WP: numpy.ndarray) -> typing.Optional[float]:
     """Of a plane that is horizontal, its height [m], else None."""
     if X_WP[2, 2] < 1.0 - PLANE_TOLERANCE:
         return None
     return 0.0 if abs(X_WP[2, 3]) < PLANE_TOLERANCE else float(X_WP[2, 3])
 
 
-def tried(read, warnings, world, path, otherwise):
+def tried(read: typing.Callable[..., typing.Any], warnings: typing.List[str], world: ElementTree.Element, path: str,
+          otherwise: typing.Any) -> typing.Any:
     """read(world, path, otherwise, path); where that cannot be read, the default with a warning."""
     try:
         return read(world, path, otherwise, "<%s>" % path)
@@ -119,13 +122,14 @@ def tried(read, warnings, world, path, otherwise):
         return otherwise
 
 
-def vector(world, path, otherwise, what):
+def vector(world: ElementTree.Element, path: str, otherwise: typing.Sequence[float],
+           what: str) -> typing.Sequence[float]:
     """Three numbers of a descendant. Raises: ModelError."""
     text = world.findtext(path)
     return tuple(numbers(text, 3, what)) if text else otherwise
 
 
-def settings_of(world, warnings):
+def settings_of(world: ElementTree.Element, warnings: typing.List[str]) -> WorldSettings:
     """WorldSettings of <physics>, <gravity> and <scene>; a world without a ground plane has none."""
     known = WorldSettings()
     period_s = tried(number, warnings, world, "physics/max_step_size", known.period_s)
@@ -143,7 +147,8 @@ def settings_of(world, warnings):
         shadows=world.findtext("scene/shadows", "true").strip().lower() not in ("false", "0"))
 
 
-def color_of(world, path, otherwise, what):
+def color_of(world: ElementTree.Element, path: str, otherwise: typing.Sequence[float],
+             what: str) -> typing.Sequence[float]:
     """Red, green, blue, 0 .. 255. Raises: ModelError."""
     text = (world.findtext(path) or "").split()
     if len(text) not in (3, 4):

@@ -1,5 +1,6 @@
 """A URDF with other properties of a link or joint, as Gazebo's services set them."""
 import dataclasses
+import typing
 import xml.etree.ElementTree as ElementTree
 
 from aras_visual_servo_sim import ParameterError, UnknownNameError
@@ -20,7 +21,7 @@ class LinkProperties:
     gravity: bool = True  #: acts on the link
 
 
-def properties_of(link, gravity):
+def properties_of(link: ElementTree.Element, gravity: bool) -> LinkProperties:
     """LinkProperties of a <link>."""
     inertial = link.find("inertial")
     if inertial is None:
@@ -31,7 +32,7 @@ def properties_of(link, gravity):
                           tuple(float(inertia.get(key, 0.0)) for key in INERTIA_KEYS), gravity)
 
 
-def with_link(xml, link, properties):
+def with_link(xml: str, link: str, properties: LinkProperties) -> str:
     """The document with other LinkProperties of a link. Raises: UnknownNameError."""
     robot = ElementTree.fromstring(xml)
     inertial = child(named(robot, "link", link), "inertial")
@@ -50,7 +51,7 @@ def with_link(xml, link, properties):
     return ElementTree.tostring(robot, encoding="unicode")
 
 
-def with_joint(xml, joint, properties):
+def with_joint(xml: str, joint: str, properties: typing.Dict[str, float]) -> str:
     """The document with other properties of a joint, a dict. Raises: UnknownNameError, ParameterError."""
     robot = ElementTree.fromstring(xml)
     element = named(robot, "joint", joint)
@@ -62,7 +63,7 @@ def with_joint(xml, joint, properties):
     return ElementTree.tostring(robot, encoding="unicode")
 
 
-def named(robot, tag, name):
+def named(robot: ElementTree.Element, tag: str, name: str) -> ElementTree.Element:
     """Raises: UnknownNameError."""
     for element in robot.findall(tag):
         if element.get("name") == name:
@@ -70,7 +71,7 @@ def named(robot, tag, name):
     raise UnknownNameError("%s '%s' does not exist" % (tag, name))
 
 
-def child(element, tag):
+def child(element: ElementTree.Element, tag: str) -> ElementTree.Element:
     """Its child of this tag, made if there is none."""
     found = element.find(tag)
     return ElementTree.SubElement(element, tag) if found is None else found

@@ -1,4 +1,6 @@
 """Documents that xacro was to expand and did not, or did not as a whole."""
+import xml.etree.ElementTree as ElementTree
+
 from aras_visual_servo_sim import ModelError
 
 XACRO = "{http://www.ros.org/wiki/xacro}", "{http://wiki.ros.org/xacro}", "{http://ros.org/wiki/xacro}"
@@ -7,7 +9,7 @@ KNOWN = {"link", "joint", "gazebo", "transmission", "material", "sensor", "model
          "safety_controller", "ros2_control", "group_state", "group", "end_effector", "disable_collisions", "verbose"}
 
 
-def require_expanded(robot):
+def require_expanded(robot: ElementTree.Element) -> None:
     """Raises: ModelError: the document has tags of xacro, or joints of links that are not there beside unknown tags,
     which is what macros leave that were called without their prefix."""
     tags = [each.tag for each in robot.iter() if isinstance(each.tag, str) and each.tag.startswith(XACRO)]

@@ -48,7 +48,7 @@ class Depth:
     points_m: tuple
     colors: str
 
-    def values(self, depth_m):
+    def values(self, depth_m: numpy.ndarray) -> numpy.ndarray:
         """The pixels to send of a depth image, (h, w) float32 [m] with NaN where there is nothing."""
         near, far = self.range_m
         inside = (depth_m >= near) & (depth_m <= far)  # NaN is not
@@ -57,7 +57,7 @@ class Depth:
             return numpy.where(inside, depth_m.astype(numpy.float64) / 0.001, 0.0).astype(numpy.uint16)
         return numpy.where(inside, depth_m, numpy.float32(numpy.nan))
 
-    def cloud(self, depth_m, K, colors):
+    def cloud(self, depth_m: numpy.ndarray, K: typing.Sequence[float], colors: numpy.ndarray) -> numpy.ndarray:
         """Points (h, w, 4) float32 in the optical frame: x, y, z [m], NaN where nothing is in range, and the colour as
         the bits 0x00rrggbb.
 
@@ -86,7 +86,7 @@ class CameraTopics:
     depth: typing.Optional[Depth] = None  #: of a camera that sees it
 
 
-def told_number(plugin, key, otherwise, warnings):
+def told_number(plugin: ElementTree.Element, key: str, otherwise: float, warnings: typing.List[str]) -> float:
     """The number of a key; the default, with a warning, where it is none."""
     try:
         return number(plugin, key, otherwise)
@@ -95,16 +95,17 @@ def told_number(plugin, key, otherwise, warnings):
         return otherwise
 
 
-def sibling(topic, name):
+def sibling(topic: str, name: str) -> str:
     """Another topic beside one, as image_transport places camera_info beside an image."""
     return topic.rpartition("/")[0] + "/" + name
 
 
-def is_realsense(plugin):
+def is_realsense(plugin: ElementTree.Element) -> bool:
     return plugin.get("filename", "").rpartition("/")[2] == REALSENSE
 
 
-def read_realsense(robot, plugin, done, warnings):
+def read_realsense(robot: ElementTree.Element, plugin: ElementTree.Element, done: typing.List[ElementTree.Element],
+                   warnings: typing.List[str]) -> typing.Dict[str, CameraTopics]:
     """The cameras of a RealSense. Their sensors become such as the simulator reads.
 
     Args:
@@ -137,7 +138,7 @@ def read_realsense(robot, plugin, done, warnings):
     return cameras
 
 
-def become_camera(sensor, frame):
+def become_camera(sensor: ElementTree.Element, frame: str) -> None:
     """A sensor of a RealSense as the simulator reads cameras; its camera_info is that of the plugin: the middle of the
     image is half its width and height."""
     sensor.set("type", "camera")
@@ -151,13 +152,14 @@ def become_camera(sensor, frame):
         ElementTree.SubElement(plugin, key).text = value
 
 
-def place_of(plugin, namespace, model):
+def place_of(plugin: ElementTree.Element, namespace: str, model: str) -> str:
     """Where the topics of a camera's plugin are, unless they begin with /: NodeHandle(robotNamespace + "/" +
     cameraName) of GazeboRosCameraUtils::LoadThread."""
     return joined(namespace_of(plugin, namespace, model), text(plugin, "cameraName"))
 
 
-def own_name(sensor, plugin, known, warnings):
+def own_name(sensor: ElementTree.Element, plugin: ElementTree.Element, known: typing.Dict[str, CameraTopics],
+             warnings: typing.List[str]) -> str:
     """The name of a camera, which no other of the robot has: its plugin is given it.
 
     Args: known: names that are taken.  warnings: gets a line where cameraName is one of them.
@@ -172,7 +174,8 @@ def own_name(sensor, plugin, known, warnings):
     return name
 
 
-def read_kinects(robot, namespace, model, done, warnings):
+def read_kinects(robot: ElementTree.Element, namespace: str, model: str, done: typing.List[ElementTree.Element],
+                 warnings: typing.List[str]) -> typing.Dict[str, CameraTopics]:
     """The cameras of the plugins of Kinects, whose sensors become such as the simulator reads.
 
     Returns: dict as `read_realsense`.

@@ -1,6 +1,7 @@
 """What a URDF says to Gazebo besides what it says to everybody: namespaces of plugins, whether the model is free."""
 import dataclasses
 import re
+import typing
 import xml.etree.ElementTree as ElementTree
 
 from aras_visual_servo_sim import ModelError
@@ -11,7 +12,7 @@ from ..urdf.mend import base_mass, mend
 from ..urdf.sensors import mend_sensors
 from ..urdf.tree import PRESERVED, check_tree, lumped_links
 from .depth_cameras import CameraTopics, is_realsense, own_name, place_of, read_kinects, read_realsense
-from .devices import TRUE, file_of, joined, motorize, named, namespace_of, text
+from .devices import TRUE, Device, file_of, joined, motorize, named, namespace_of, text
 from .lenses import replace_lenses
 from .looks import drop_missing_meshes, paint_as_gazebo
 from .multicameras import split_multicameras, take_prosilicas
@@ -50,23 +51,23 @@ class Description:
     warnings: tuple         #: what is ignored, a line each
 
     @property
-    def jointed(self):
+    def jointed(self) -> bool:
         """Whether some joint moves."""
         return bool(self.joint_types)
 
 
-def located(xml, find_folder):
+def located(xml: str, find_folder: typing.Callable[[str], typing.Optional[str]]) -> str:
     """A description whose package:// and model:// names are files.
 
     Args: find_folder: function of the name of a package or model, returns its folder or None; such names stay.
     """
-    def path(match):
+    def path(match: typing.Match[str]) -> str:
         folder = find_folder(match[2])
         return match[0] if folder is None else match[1] + "file://" + folder
     return NAMED.sub(path, xml)
 
 
-def read_description(xml, namespace, model):
+def read_description(xml: str, namespace: str, model: str) -> Description:
     """
     Args:
         xml: a URDF document.
@@ -144,7 +145,7 @@ def read_description(xml, namespace, model):
         warnings=tuple(warnings))
 
 
-def said(robot, *tags):
+def said(robot: ElementTree.Element, *tags: str) -> typing.Iterator[typing.Tuple[typing.Optional[str], str]]:
     """Takes these tags out of every <gazebo>, since the simulator would warn of them, and yields the link, or None, and
     the text of each."""
     for gazebo in robot.findall("gazebo"):
@@ -154,11 +155,12 @@ def said(robot, *tags):
                 yield gazebo.get("reference"), (element.text or "").strip() or element.get("value", "")
 
 
-def is_true(words):
+def is_true(words: str) -> bool:
     return words.lower() in TRUE
 
 
-def numbers_of(entries, links, fault, warnings):
+def numbers_of(entries: typing.Iterable[typing.Tuple[typing.Optional[str], str]], links: typing.Set[str], fault: str,
+               warnings: typing.List[str]) -> typing.Dict[str, float]:
     """dict of link -> the first number >= 0 that is said of it. Args: fault: key of what else is said, for a warning.
     """
     found = {}
@@ -174,13 +176,13 @@ def numbers_of(entries, links, fault, warnings):
     return found
 
 
-def ends_of(robot, end):
+def ends_of(robot: ElementTree.Element, end: str) -> typing.Dict[str, str]:
     """dict of joint -> link at one of its ends, "parent" or "child"."""
     return {joint.get("name"): joint.find(end).get("link") for joint in robot.findall("joint")
             if joint.find(end) is not None}
 
 
-def free_followers(robot, warnings):
+def free_followers(robot: ElementTree.Element, warnings: typing.List[str]) -> None:
     """Takes <mimic> out of joints that have a <transmission>: Gazebo drives them like others."""
     driven = {end.get("name") for end in robot.findall("transmission/joint")}
     for joint in robot.findall("joint"):
@@ -191,7 +193,8 @@ def free_followers(robot, warnings):
                             % joint.get("name"))
 
 
-def sensors_of(robot, namespace, model, warnings):
+def sensors_of(robot: ElementTree.Element, namespace: str, model: str,
+               warnings: typing.List[str]) -> typing.List[Device]:
     """Devices of the <sensor> tags that are no cameras; these tags are taken out."""
     devices = []
     for gazebo in robot.findall("gazebo"):
@@ -208,13 +211,13 @@ def sensors_of(robot, namespace, model, warnings):
     return devices
 
 
-def not_simulated(sensor, plugin):
+def not_simulated(sensor: ElementTree.Element, plugin: ElementTree.Element) -> str:
     """The line about a plugin of a sensor that does nothing here."""
     return "sensor '%s' of type %s: plugin %s is not simulated: ignored" % (
         sensor.get("name"), sensor.get("type"), file_of(plugin) or "without a file")
 
 
-def drop_strangers(robot):
+def drop_strangers(robot: ElementTree.Element) -> typing.List[str]:
     """Takes out what refers to links and joints that are not there, as Gazebo does. Returns a line for each."""
     known = {each.get("name") for each in robot if each.tag in ("link", "joint")}
     warnings = []
@@ -234,7 +237,8 @@ def drop_strangers(robot):
     return warnings
 
 
-def cameras_of(robot, namespace, model, warnings):
+def cameras_of(robot: ElementTree.Element, namespace: str, model: str,
+               warnings: typing.List[str]) -> typing.Dict[str, CameraTopics]:
     """dict of camera -> CameraTopics. Cameras without a plugin have no topics and are taken out."""
     done = []  # sensors that see depth
     cameras = read_kinects(robot, namespace, model, done, warnings)

@@ -1,6 +1,7 @@
 """What plugins of a URDF besides cameras and ros_control do, read with Gazebo's keys and defaults: one class a kind."""
 import dataclasses
 import math
+import typing
 import xml.etree.ElementTree as ElementTree
 
 import numpy
@@ -12,42 +13,47 @@ from ..sdf.document import pose_of
 
 TRUE = ("true", "1")  #: how a tag says yes, in lower case
 
-_READERS, _OF_WORLD = {}, {}
+#: Reads a plugin of a model: plugin, sensor, link, namespace; and one of a world.
+Reader = typing.Callable[[ElementTree.Element, typing.Optional[ElementTree.Element], str, str], "Device"]
+WorldReader = typing.Callable[[ElementTree.Element], "Device"]
+_READERS: typing.Dict[str, Reader] = {}
+_OF_WORLD: typing.Dict[str, WorldReader] = {}
 
 
-def reads(*files):
+def reads(*files: str) -> typing.Callable[[Reader], Reader]:
     """Decorator: this function reads plugins of these file names: f(plugin, sensor, link, namespace)."""
-    def note(reader):
+    def note(reader: Reader) -> Reader:
         _READERS.update((file, reader) for file in files)
         return reader
     return note
 
 
-def reads_of_world(*files):
+def reads_of_world(*files: str) -> typing.Callable[[WorldReader], WorldReader]:
     """Decorator: this function reads plugins of a world of these file names: f(plugin) -> Device."""
-    def note(reader):
+    def note(reader: WorldReader) -> WorldReader:
         _OF_WORLD.update((file, reader) for file in files)
         return reader
     return note
 
 
-def file_of(plugin):
+def file_of(plugin: ElementTree.Element) -> str:
     """Name of a plugin's file, without folders."""
     return plugin.get("filename", "").rpartition("/")[2]
 
 
-def is_read(file):
+def is_read(file: str) -> bool:
     """Whether a plugin of this file name is a device of a model or a world."""
     return file in _READERS or file in _OF_WORLD
 
 
-def read_world_device(plugin):
+def read_world_device(plugin: ElementTree.Element) -> typing.Optional["Device"]:
     """Returns what a plugin of a world does, a Device, or None: it is not simulated. Raises: ValueError."""
     reader = _OF_WORLD.get(file_of(plugin))
     return None if reader is None else reader(plugin)
 
 
-def read_device(robot, plugin, sensor, link, namespace, warnings):
+def read_device(robot: ElementTree.Element, plugin: ElementTree.Element, sensor: typing.Optional[ElementTree.Element],
+                link: str, namespace: str, warnings: typing.List[str]) -> typing.Optional["Device"]:
     """
     Args:
         robot: element of the URDF.  plugin: its element.  sensor: element that it stands in, None for none.
@@ -78,14 +84,19 @@ def read_device(robot, plugin, sensor, link, namespace, warnings):
 
 
 class Device:
-    def joints(self):
+    """Base class of what plugins do."""
+
+    rate_hz: float     #: how often it acts or is published; 0: as often as possible
+    torque_n_m: float  #: of its motors, where it has any
+
+    def joints(self) -> typing.Tuple[str, ...]:
         """Names of the joints that must be there."""
         return ()
 
-    def links(self):
+    def links(self) -> typing.Tuple[str, ...]:
         return ()
 
-    def motors(self):
+    def motors(self) -> typing.Tuple[str, ...]:
         """Names of the joints that it turns with motors of its torque_n_m."""
         return ()
 
@@ -111,10 +122,10 @@ class DiffDrive(Device):
     publishes_wheel_tf: bool
     publishes_joint_states: bool
 
-    def joints(self):
+    def joints(self) -> typing.Tuple[str, ...]:
         return self.left, self.right
 
-    def motors(self):
+    def motors(self) -> typing.Tuple[str, ...]:
         return self.joints()
 
 
@@ -128,7 +139,7 @@ class Imu(Device):
     noise: float        #: standard deviation of what is measured [rad/s, m/s^2]
     service: str = ""   #: which says that it is calibrated, "" for none
 
-    def links(self):
+    def links(self) -> typing.Tuple[str, ...]:
         return (self.link,)
 
 
@@ -140,7 +151,7 @@ class ForceTorque(Device):
     rate_hz: float
     noise: float
 
-    def joints(self):
+    def joints(self) -> typing.Tuple[str, ...]:
         return (self.joint,)
 
 
@@ -152,7 +163,7 @@ class Scan:
     lowest: float
     highest: float
 
-    def angles(self):
+    def angles(self) -> numpy.ndarray:
         """Of the rays, (samples,); a single one looks ahead."""
         return numpy.zeros(1) if self.samples == 1 else numpy.linspace(self.lowest, self.highest, self.samples)
 
@@ -173,11 +184,11 @@ class Laser(Device):
     X_LS: numpy.ndarray  #: (4, 4), the sensor in the link: rays at angle 0 go along x, angles grow towards y and z
     sees_visuals: bool  #: the rays meet <visual>s from outside, else <collision>s
 
-    def links(self):
+    def links(self) -> typing.Tuple[str, ...]:
         return (self.link,)
 
 
-def joined(*parts):
+def joined(*parts: str) -> str:
     """A full name of its parts, each with or without slashes: joined("/a/", "b") is "/a/b", of nothing "/"."""
     return "/" + "/".join(part.strip("/") for part in parts if part.strip("/"))
 
@@ -191,7 +202,7 @@ MODEL_WHERE_EMPTY = (*MODEL_WHERE_MISSING[:3], "libgazebo_ros_camera.so", "libga
                      "libgazebo_ros_laser.so", "libgazebo_ros_gpu_laser.so", "libgazebo_ros_prosilica.so")
 
 
-def namespace_of(plugin, namespace, model):
+def namespace_of(plugin: ElementTree.Element, namespace: str, model: str) -> str:
     """Full name of the namespace of a plugin's topics, "/" for none.
 
     Args: namespace: that spawn_urdf_model and spawn_sdf_model give plugins without <robotNamespace>, "" for none.
@@ -202,7 +213,7 @@ def namespace_of(plugin, namespace, model):
     return joined((said.text or "").strip() or (model if file in MODEL_WHERE_EMPTY else ""))
 
 
-def text(element, key, otherwise=""):
+def text(element: typing.Optional[ElementTree.Element], key: str, otherwise: str = "") -> str:
     child = None if element is None else element.find(key)
     return child.text.strip() if child is not None and child.text and child.text.strip() else otherwise
 
@@ -210,17 +221,17 @@ def text(element, key, otherwise=""):
 class NoNumberError(ValueError):
     """A tag whose text is no finite number."""
 
-    def __init__(self, element, key, found):
+    def __init__(self, element: typing.Optional[ElementTree.Element], key: str, found: str) -> None:
         super().__init__("<%s> '%s', allowed is a finite number" % (key, found))
         self._element, self._key = element, key
 
-    def drop(self):
+    def drop(self) -> None:
         """Takes the tag out, so that it gets its default."""
         for child in self._element.findall(self._key):
             self._element.remove(child)
 
 
-def number(element, key, otherwise):
+def number(element: typing.Optional[ElementTree.Element], key: str, otherwise: float) -> float:
     """The number of a tag. Raises: NoNumberError."""
     found = text(element, key, str(otherwise))
     try:
@@ -232,17 +243,18 @@ def number(element, key, otherwise):
     return value
 
 
-def flag(element, key, otherwise=False):
+def flag(element: typing.Optional[ElementTree.Element], key: str, otherwise: bool = False) -> bool:
     return text(element, key, str(otherwise)).lower() in TRUE
 
 
-def named(namespace, topic):
+def named(namespace: str, topic: str) -> str:
     """Full name of a topic as ros::NodeHandle(namespace) resolves it: one that begins with / stays."""
     return joined(*(topic if topic.startswith("/") else namespace + "/" + topic).split("/"))
 
 
 @reads("libgazebo_ros_diff_drive.so")
-def diff_drive(plugin, _sensor, _link, namespace):
+def diff_drive(plugin: ElementTree.Element, _sensor: typing.Optional[ElementTree.Element], _link: str,
+               namespace: str) -> DiffDrive:
     return DiffDrive(
         namespace=namespace, left=text(plugin, "leftJoint", "left_joint"),
         right=text(plugin, "rightJoint", "right_joint"), separation_m=number(plugin, "wheelSeparation", 0.34),
@@ -258,7 +270,7 @@ def diff_drive(plugin, _sensor, _link, namespace):
 
 
 @reads("libgazebo_ros_imu.so", "libhector_gazebo_ros_imu.so")
-def imu(plugin, _sensor, _link, namespace):
+def imu(plugin: ElementTree.Element, _sensor: typing.Optional[ElementTree.Element], _link: str, namespace: str) -> Imu:
     link = text(plugin, "bodyName")
     return Imu(link=link, topic=named(namespace, text(plugin, "topicName", "/default_imu")),
                frame=text(plugin, "frameName", text(plugin, "frameId", link)),
@@ -267,7 +279,8 @@ def imu(plugin, _sensor, _link, namespace):
 
 
 @reads("libgazebo_ros_imu_sensor.so")
-def imu_sensor(plugin, sensor, link, namespace):
+def imu_sensor(plugin: ElementTree.Element, sensor: typing.Optional[ElementTree.Element], link: str,
+               namespace: str) -> Imu:
     return Imu(link=link, topic=named(namespace, text(plugin, "topicName", "imu_data")),
                frame=text(plugin, "frameName", link),
                rate_hz=number(plugin, "updateRateHZ", number(sensor, "update_rate", 1.0)),
@@ -275,7 +288,8 @@ def imu_sensor(plugin, sensor, link, namespace):
 
 
 @reads("libgazebo_ros_ft_sensor.so")
-def force_torque(plugin, _sensor, _link, namespace):
+def force_torque(plugin: ElementTree.Element, _sensor: typing.Optional[ElementTree.Element], _link: str,
+                 namespace: str) -> ForceTorque:
     return ForceTorque(joint=text(plugin, "jointName"), topic=named(namespace, text(plugin, "topicName", "ft_sensor")),
                        rate_hz=number(plugin, "updateRate", 0.0), noise=number(plugin, "gaussianNoise", 0.0))
 
@@ -283,7 +297,7 @@ def force_torque(plugin, _sensor, _link, namespace):
 MOST_RAYS = 200000  #: of one laser
 
 
-def scan_of(element, key, required):
+def scan_of(element: ElementTree.Element, key: str, required: bool) -> Scan:
     """Scan of <horizontal> or <vertical>. Raises: ValueError."""
     part = element.find("scan/" + key)
     if part is None and not required:
@@ -301,7 +315,8 @@ def scan_of(element, key, required):
 
 
 @reads("libgazebo_ros_laser.so", "libgazebo_ros_gpu_laser.so")
-def laser(plugin, sensor, link, namespace):
+def laser(plugin: ElementTree.Element, sensor: typing.Optional[ElementTree.Element], link: str,
+          namespace: str) -> Laser:
     rays = None if sensor is None else sensor.find("ray") if sensor.find("ray") is not None else sensor.find("lidar")
     if rays is None:
         raise ValueError("found no <ray> around it, allowed is <sensor type=\"ray\"> with one")
@@ -321,7 +336,7 @@ def laser(plugin, sensor, link, namespace):
         sees_visuals=sensor.get("type") in ("gpu_ray", "gpu_lidar"))
 
 
-def motorize(robot, drive):
+def motorize(robot: ElementTree.Element, drive: Device) -> None:
     """Gives the wheels velocity motors of the drive's torque: a transmission and a limit in the URDF."""
     for name in drive.motors():
         for transmission in robot.findall("transmission"):
@@ -343,14 +358,14 @@ def motorize(robot, drive):
 FASTEST_RAD_S = 1000.0  #: of a wheel: no limit
 
 
-def directions_of(horizontal, vertical):
+def directions_of(horizontal: Scan, vertical: Scan) -> numpy.ndarray:
     """(n, 3) unit vectors of two Scans: x ahead, y to the left, z up; those of one height follow each other."""
     heights, turns = numpy.meshgrid(vertical.angles(), horizontal.angles(), indexing="ij")
     return numpy.stack((numpy.cos(heights) * numpy.cos(turns), numpy.cos(heights) * numpy.sin(turns),
                         numpy.sin(heights)), axis=-1).reshape(-1, 3)
 
 
-def resampled(values, horizontal, vertical):
+def resampled(values: numpy.ndarray, horizontal: Scan, vertical: Scan) -> numpy.ndarray:
     """What is measured along the rays of two Scans, (n,), as as many numbers as these say, linearly between them."""
     rows = values.reshape(vertical.samples, horizontal.samples)
     if (vertical.count, horizontal.count) == rows.shape:

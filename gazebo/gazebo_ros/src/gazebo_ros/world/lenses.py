@@ -4,6 +4,7 @@ SDF gives r = c1 f fun(theta / c2 + c3) for a ray at an angle theta from the axi
 named types are special cases (sdformat, lens.sdf). The simulator's lens is r = f theta (1 + k1 theta^2 + ... + k4
 theta^8); the k are fitted by least squares over the angles that are drawn."""
 import math
+import typing
 import xml.etree.ElementTree as ElementTree
 
 import numpy
@@ -23,7 +24,7 @@ ENDS = {"tan": 0.47 * math.pi, "sin": 0.5 * math.pi, "id": math.inf}
 MOST_FIELD_RAD = 6.28  #: that the simulator takes
 
 
-def replace_lenses(robot, warnings):
+def replace_lenses(robot: ElementTree.Element, warnings: typing.List[str]) -> None:
     """Lets wide-angle cameras have the simulator's lens. Args: robot: element of the URDF.  warnings: gets a line for
     each lens that is drawn to less than its cut-off, or that cannot be."""
     for sensor in robot.findall("gazebo/sensor"):
@@ -58,7 +59,7 @@ def replace_lenses(robot, warnings):
             ElementTree.SubElement(camera, "horizontal_fov").text = repr(wide)
 
 
-def function_of(lens, kind):
+def function_of(lens: ElementTree.Element, kind: str) -> typing.Tuple[float, float, float, float, str]:
     """Returns c1, c2, c3, f and the name of the function of a <lens>. Raises: ValueError: no such type or function."""
     if kind != "custom":
         if kind not in NAMED:
@@ -72,10 +73,12 @@ def function_of(lens, kind):
         raise ValueError("found function %s, allowed are %s" % (name, ", ".join(FUNCTIONS)))
     if not (values[0] > 0.0 and values[1] > 0.0 and values[3] > 0.0 and math.isfinite(sum(values))):
         raise ValueError("found c1 %g, c2 %g, f %g, allowed are numbers > 0" % (values[0], values[1], values[3]))
-    return (*values, name)
+    c1, c2, c3, f = values
+    return c1, c2, c3, f, name
 
 
-def fitted(c1, c2, c3, f, name, field_rad, scaled, cutoff_rad):
+def fitted(c1: float, c2: float, c3: float, f: float, name: str, field_rad: float, scaled: bool,
+           cutoff_rad: float) -> typing.Tuple[typing.Tuple[float, ...], float, float]:
     """Fits the simulator's lens.
 
     Returns: k1 k2 k3 k4; the horizontal field that gives the simulator's lens without them the same focal length [rad];

@@ -1,5 +1,6 @@
 """What Gazebo makes of the visuals of a URDF."""
 import os
+import typing
 import xml.etree.ElementTree as ElementTree
 
 from ..sdf.materials import SCRIPTED
@@ -9,7 +10,7 @@ PAINTED = (".dae", ".obj")
 WHITE = "1 1 1 1"
 
 
-def paint_as_gazebo(robot):
+def paint_as_gazebo(robot: ElementTree.Element) -> None:
     """Makes visuals white, but meshes with materials of their own: Gazebo does not look at <material> of a URDF.
 
     <gazebo reference="LINK"><material> stays and has the last word; pictures of a package's scripts stay too.
@@ -26,7 +27,7 @@ def paint_as_gazebo(robot):
         robot.remove(material)
 
 
-def drop_missing_meshes(robot):
+def drop_missing_meshes(robot: ElementTree.Element) -> typing.List[str]:
     """Takes out visuals and collisions whose file of a mesh is not there, as Gazebo does. Returns a line for each file.
     """
     missing = {}

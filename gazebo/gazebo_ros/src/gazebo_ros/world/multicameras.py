@@ -5,6 +5,7 @@ with `right` under CAMERA_NAME/right, which alone has hackBaseline in its P (gaz
 frame.
 """
 import copy
+import typing
 import xml.etree.ElementTree as ElementTree
 
 from ..sdf.document import pose_of
@@ -16,7 +17,7 @@ MULTICAMERA, PROSILICA = "libgazebo_ros_multicamera.so", "libgazebo_ros_prosilic
 SIDES = ("left", "right")
 
 
-def split_multicameras(robot, warnings):
+def split_multicameras(robot: ElementTree.Element, warnings: typing.List[str]) -> None:
     """Puts single cameras in the place of the sensors of several ones that have a plugin. Args: robot: element of the
     URDF.  warnings: gets a line for each sensor without the plugin, which is taken out. Raises: ModelError."""
     for gazebo in robot.findall("gazebo"):
@@ -31,7 +32,8 @@ def split_multicameras(robot, warnings):
             gazebo.extend(single(sensor, camera, plugin) for camera in sensor.findall("camera"))
 
 
-def single(sensor, camera, plugin):
+def single(sensor: ElementTree.Element, camera: ElementTree.Element,
+           plugin: ElementTree.Element) -> ElementTree.Element:
     """Returns a <sensor> of type camera of one of the cameras of a sensor."""
     name = camera.get("name", "")
     side = next((each for each in SIDES if each in name), name)
@@ -57,7 +59,7 @@ def single(sensor, camera, plugin):
     return made
 
 
-def take_prosilicas(robot, warnings):
+def take_prosilicas(robot: ElementTree.Element, warnings: typing.List[str]) -> None:
     """Lets cameras of the Prosilica's plugin be such of the common one: images come at the sensor's rate, and nobody
     answers polled_camera/GetPolledImage."""
     for plugin in robot.findall("gazebo/sensor/plugin"):

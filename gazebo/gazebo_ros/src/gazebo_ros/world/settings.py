@@ -2,6 +2,8 @@
 import dataclasses
 import typing
 
+import numpy
+
 from aras_visual_servo_sim import ArasError, ModelError, World, light_entry
 
 
@@ -48,7 +50,7 @@ def world_of(settings: WorldSettings) -> World:
     return world
 
 
-def light_of(name, xml, pose):
+def light_of(name: str, xml: str, pose: numpy.ndarray) -> typing.Dict[str, typing.Any]:
     """Entry of the simulator's sim.scene.lighting.lights.
 
     Args: xml: <light> of SDF.  pose: (4, 4), of the frame that the element stands in.

@@ -2,6 +2,7 @@
 import base64
 import hashlib
 import json
+import typing
 
 import numpy
 
@@ -10,16 +11,19 @@ from aras_visual_servo_sim import ArasError, ParameterError
 from .model import Model
 from .settings import WorldSettings, world_of
 
+if typing.TYPE_CHECKING:
+    from .world import World
+
 FORMAT = "state of a world, 4"
 
 
-def listed(spawned):
+def listed(spawned: typing.Tuple[typing.Any, ...]) -> typing.List[typing.Any]:
     """What Model.spawned has, as JSON has it."""
     return [part.tolist() if isinstance(part, numpy.ndarray) else list(part) if isinstance(part, tuple) else part
             for part in spawned]
 
 
-def saved(world):
+def saved(world: "World") -> bytes:
     """bytes; the same of two worlds to which the same was done."""
     return json.dumps({
         "format": FORMAT, "epoch_ns": world.epoch_ns, "state": base64.b64encode(world.core.save_state()).decode(),
@@ -28,12 +32,12 @@ def saved(world):
     }).encode()
 
 
-def digest(world):
+def digest(world: "World") -> str:
     """Hash of the state, 16 hexadecimal digits."""
     return hashlib.sha256(saved(world)).hexdigest()[:16]
 
 
-def restore(world, state):
+def restore(world: "World", state: bytes) -> None:
     """Makes a world what it was, controllers of its models included. Models that are not there are spawned anew.
 
     Raises: ParameterError: no such state; nothing changes then.  ModelError: files that are gone.

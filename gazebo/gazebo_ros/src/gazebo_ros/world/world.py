@@ -1,11 +1,13 @@
 """The world and its models."""
 import contextlib
 import dataclasses
+import typing
 import xml.etree.ElementTree as ElementTree
 
 import numpy
 
 from aras_visual_servo_sim import ArasError, ModelError, ParameterError, UnknownNameError
+from aras_visual_servo_sim import World as CoreWorld
 
 from .description import located
 from .model import Model
@@ -13,11 +15,12 @@ from .poses import IDENTITY
 from .pushes import Pushes
 from ..sdf.document import NoFolders, expanded
 from ..sdf.materials import painted, with_transmissions
-from ..sdf.model import model_of
+from ..sdf.model import SdfModel, model_of
 from ..sdf.world import GROUND, height_of
-from ..urdf.properties import with_joint, with_link
+from ..urdf.properties import LinkProperties, with_joint, with_link
 from .settings import GROUND_FRICTION, GROUND_PLANE, WorldSettings, light_of, world_of
 
+Entry = typing.Dict[str, typing.Any]  #: of a light or a push, as JSON has it
 #: Names of a frame that is none of a model.
 WORLD_FRAMES = ("", "world", "map")
 
@@ -47,7 +50,7 @@ class World:
         pushes: Pushes, wrenches and efforts from outside.
     """
 
-    def __init__(self, settings=None, folders=NoFolders()):
+    def __init__(self, settings: typing.Optional[WorldSettings] = None, folders: NoFolders = NoFolders()) -> None:
         """Args: folders: where packages, models and resources are, as NoFolders has it."""
         self.settings = settings or WorldSettings()
         self.core, self.models = world_of(self.settings), {}
@@ -57,25 +60,25 @@ class World:
         self.epoch_ns = 0  #: time of tick 0: when the period became what it is, int [ns]
 
     @property
-    def period_ns(self):
+    def period_ns(self) -> int:
         return self.core.period_ns
 
     @property
-    def time_ns(self):
+    def time_ns(self) -> int:
         """Simulated time, int [ns]."""
         return self.epoch_ns + self.core.time_ns
 
-    def core_s(self, time_ns):
+    def core_s(self, time_ns: int) -> float:
         """The simulator's own time at a time of this world [s]."""
         return 1e-9 * (time_ns - self.epoch_ns)
 
-    def step(self, ticks=1):
+    def step(self, ticks: int = 1) -> None:
         """Advances time by periods. Raises: ParameterError."""
         if ticks < 0:
             raise ParameterError("step: found %d periods, allowed >= 0" % ticks)
         self.core.step(ticks)
 
-    def set_physics(self, period_s, gravity_m_s2):
+    def set_physics(self, period_s: float, gravity_m_s2: typing.Sequence[float]) -> None:
         """From now on. Another period lets the joints rest where they are, and their controllers begin anew.
 
         Raises: ParameterError: the period cannot be; nothing changes then.
@@ -88,32 +91,32 @@ class World:
         if period_s != self.settings.period_s:
             self._change_period(period_s)
 
-    def remove_ground(self):
+    def remove_ground(self) -> None:
         """Takes the ground plane out. Raises: UnknownNameError: there is none."""
         if not self.settings.ground:
             raise UnknownNameError("DeleteModel: model does not exist")
         self.core.delete_model(GROUND_PLANE["name"])
         self._change_ground(ground=False)
 
-    def _change_ground(self, **keys):
+    def _change_ground(self, **keys: typing.Any) -> None:
         self.settings = dataclasses.replace(self.settings, **keys)
         self.core.set_ground(self.settings.plane_m, GROUND_FRICTION)
 
-    def change_link(self, name, link, properties):
+    def change_link(self, name: str, link: str, properties: LinkProperties) -> None:
         """Gives a link another mass. Args: properties: LinkProperties. Raises: as Model.renew."""
         model = self.model(name)
         self._renew(model, with_link(model.spawned[1], link, properties))
 
-    def change_joint(self, name, joint, properties):
+    def change_joint(self, name: str, joint: str, properties: typing.Dict[str, float]) -> None:
         """Gives a joint other damping, friction or limits. Args: properties: dict of them. Raises: as Model.renew."""
         model = self.model(name)
         self._renew(model, with_joint(model.spawned[1], joint, properties))
 
-    def _renew(self, model, xml):
+    def _renew(self, model: Model, xml: str) -> None:
         model.renew(self.core, xml, self.settings.gravity_m_s2)
         self.pushes.act(self.time_ns)
 
-    def _change_period(self, period_s):
+    def _change_period(self, period_s: float) -> None:
         self.epoch_ns = self.time_ns
         self.settings = dataclasses.replace(self.settings, period_s=period_s)
         lights, welds, self.core = self.lights, self.core.welds, world_of(self.settings)
@@ -127,14 +130,14 @@ class World:
     # --- models
 
     @property
-    def names(self):
+    def names(self) -> typing.List[str]:
         """Of the models and the ground plane, in the order in which they came into the world, as Gazebo counts them
         (World::ModelByIndex)."""
         before = [name for name in self.models if name in self.before_ground]
         after = [name for name in self.models if name not in self.before_ground]
         return before + [GROUND] * self.settings.ground + after
 
-    def spawn(self, name, xml, namespace="", pose=IDENTITY, frame=""):
+    def spawn(self, name: str, xml: str, namespace: str = "", pose: numpy.ndarray = IDENTITY, frame: str = "") -> Model:
         """Adds a model.
 
         Args:
@@ -147,7 +150,8 @@ class World:
         xml, warnings = painted(xml, self._folders)
         return self._add(name, located(xml, self._folders), namespace, X_WM, warnings=warnings)
 
-    def spawn_sdf(self, name, xml, namespace="", pose=IDENTITY, frame="", transmissions=""):
+    def spawn_sdf(self, name: str, xml: str, namespace: str = "", pose: numpy.ndarray = IDENTITY, frame: str = "",
+                  transmissions: str = "") -> typing.Optional[Model]:
         """Adds what an SDF document describes, a model or a light.
 
         Args:
@@ -176,7 +180,8 @@ class World:
             return None
         return self.place_sdf(name, model, X_WF @ pose @ model.pose, namespace, transmissions, warnings)
 
-    def place_sdf(self, name, model, X_WM, namespace="", transmissions="", warnings=()):
+    def place_sdf(self, name: str, model: SdfModel, X_WM: numpy.ndarray, namespace: str = "", transmissions: str = "",
+                  warnings: typing.Sequence[str] = ()) -> Model:
         """Adds a model as it was read.
 
         Args: model: SdfModel.  X_WM: (4, 4).
@@ -193,7 +198,7 @@ class World:
         return self._add(name, located(urdf, self._folders), namespace, X_WM, model.X_MR,
                          (*warnings, *model.warnings))
 
-    def _free_place(self, name, frame):
+    def _free_place(self, name: str, frame: str) -> numpy.ndarray:
         """X_WF of a new model. Raises: ModelError: the name cannot be, no such frame."""
         if not name or "::" in name:
             raise ModelError("SpawnModel: Failure - found the name '%s', allowed is a name without ::" % name)
@@ -205,7 +210,8 @@ class World:
             raise ModelError("SpawnModel: reference reference_frame not found, did you forget to scope the link by "
                              "model name?") from error
 
-    def _add(self, name, xml, namespace, X_WM, X_MR=IDENTITY, warnings=()):
+    def _add(self, name: str, xml: str, namespace: str, X_WM: numpy.ndarray, X_MR: numpy.ndarray = IDENTITY,
+             warnings: typing.Sequence[str] = ()) -> Model:
         try:
             model = Model(self.core, name, xml, namespace, X_WM, self.settings.gravity_m_s2, X_MR, warnings)
         except Exception as error:
@@ -218,7 +224,7 @@ class World:
         self.models[name] = model
         return model
 
-    def delete(self, name):
+    def delete(self, name: str) -> None:
         """Removes a model. Raises: UnknownNameError."""
         self.model(name)
         self.core.delete(name)
@@ -226,7 +232,7 @@ class World:
         self.before_ground.discard(name)
         self.pushes.forget(name)
 
-    def model(self, name):
+    def model(self, name: str) -> Model:
         """Raises: UnknownNameError."""
         try:
             return self.models[name]
@@ -234,7 +240,7 @@ class World:
             raise UnknownNameError("model '%s' does not exist, models are: %s" %
                                    (name, ", ".join(self.models) or "none")) from None
 
-    def frame(self, name):
+    def frame(self, name: str) -> typing.Tuple[numpy.ndarray, numpy.ndarray]:
         """X_WF (4, 4) and twist (6,) [v; w] in world axes of the world, a MODEL, a MODEL::LINK, or a LINK.
 
         Raises: UnknownNameError.
@@ -246,7 +252,7 @@ class World:
         model, link = self.scoped(name)
         return model.link_pose(link), model.link_twist(link)
 
-    def scoped(self, name):
+    def scoped(self, name: str) -> typing.Tuple[Model, str]:
         """Model and link of MODEL::LINK, or of the name of a link that one model alone has. Raises: UnknownNameError.
         """
         model, _, link = name.partition("::") if name.partition("::")[0] in self.models else name.rpartition("::")
@@ -255,7 +261,7 @@ class World:
             raise UnknownNameError("link '%s' does not exist" % name)
         return owners[0], link
 
-    def joint_owner(self, joint):
+    def joint_owner(self, joint: str) -> Model:
         """The model that has a joint. Raises: UnknownNameError."""
         for model in self.models.values():
             if joint in model.simulation.joint_names:
@@ -264,7 +270,7 @@ class World:
 
     # --- what touches and what is held
 
-    def touches(self, model, link):
+    def touches(self, model: str, link: str) -> typing.List[Touch]:
         """Returns list of Touch: where a link of a model touched something in the last step. Raises: UnknownNameError.
         """
         found = []
@@ -277,37 +283,37 @@ class World:
                                    each["depth_m"], sign * numpy.asarray(each["force_n"])))
         return found
 
-    def attach(self, one, other):
+    def attach(self, one: str, other: str) -> None:
         """Holds a link to another where it is now, until detach() or a reset. Args: scoped names of links of two
         models. Raises: ArasError: no such links, of one model, or they are attached already."""
         self.core.weld(*self._scoped_names(one, other))
 
-    def detach(self, one, other):
+    def detach(self, one: str, other: str) -> None:
         """Lets two links go. Raises: UnknownNameError: they are not attached."""
         self.core.unweld(*self._scoped_names(one, other))
 
-    def is_attached(self, one, other):
+    def is_attached(self, one: str, other: str) -> bool:
         """Whether these two links are held to each other."""
         return {(one, other), (other, one)} & set(self.core.welds) != set()
 
-    def _scoped_names(self, *names):
+    def _scoped_names(self, *names: str) -> typing.List[str]:
         return ["%s::%s" % (model.name, link) for model, link in map(self.scoped, names)]
 
     # --- lights
 
     @property
-    def lights(self):
+    def lights(self) -> typing.Dict[str, Entry]:
         """Entries of sim.scene.lighting.lights by name, besides the lights that links carry."""
         return {name: entry for name, entry in self.core.lights.items() if "attached_to" not in entry}
 
-    def light(self, name):
+    def light(self, name: str) -> Entry:
         """A copy of the entry of a light, to be changed and given to set_light(). Raises: UnknownNameError."""
         try:
             return self.lights[name]
         except KeyError:
             raise UnknownNameError("Requested light %s not found!" % name) from None
 
-    def spawn_light(self, name, xml, pose=IDENTITY, frame=""):
+    def spawn_light(self, name: str, xml: str, pose: numpy.ndarray = IDENTITY, frame: str = "") -> None:
         """Adds a light.
 
         Args: xml: a <light> of SDF.  pose: (4, 4), in the frame.  frame: as in spawn(); the light does not follow it.
@@ -317,7 +323,7 @@ class World:
             raise ModelError("SpawnModel: Failure - entity already exists.")
         self.set_light(light_of(name, xml, self.frame(frame)[0] @ pose))
 
-    def take_lights(self, lights):
+    def take_lights(self, lights: typing.Dict[str, str]) -> typing.List[str]:
         """Puts these in the place of those there are; the first ones, if there are too many.
 
         Args: lights: text of <light> by name.
@@ -333,16 +339,16 @@ class World:
                 warnings.append("light '%s': %s: ignored" % (name, error))
         return warnings
 
-    def set_light(self, entry):
+    def set_light(self, entry: Entry) -> None:
         """Adds a light, or changes the one of its name. Raises: ArasError; nothing changes then."""
         self.core.set_light(entry if self.settings.shadows else {**entry, "casts_shadows": False})
 
-    def delete_light(self, name):
+    def delete_light(self, name: str) -> None:
         """Raises: UnknownNameError."""
         self.light(name)
         self.core.delete_light(name)
 
-    def _restore_lights(self, lights):
+    def _restore_lights(self, lights: typing.Dict[str, Entry]) -> None:
         """Gives a world of the simulator that is at its start the lights that there were before."""
         for name in set(self.lights) - set(lights):
             self.core.delete_light(name)
@@ -352,7 +358,8 @@ class World:
 
     # --- rays
 
-    def cast_rays(self, X_WS, directions, nearest_m, farthest_m, visuals):
+    def cast_rays(self, X_WS: numpy.ndarray, directions: numpy.ndarray, nearest_m: float, farthest_m: float,
+                  visuals: bool) -> typing.Tuple[numpy.ndarray, numpy.ndarray]:
         """
         Args:
             X_WS: (4, 4), of the sensor.  directions: (n, 3), unit vectors in its axes.
@@ -366,7 +373,8 @@ class World:
 
     # --- the whole state
 
-    def take(self, core, epoch_ns, settings, models, pushes):
+    def take(self, core: CoreWorld, epoch_ns: int, settings: WorldSettings,
+             models: typing.Dict[str, Model], pushes: typing.List[Entry]) -> None:
         """Makes this the world of another time; for snapshots."""
         self.core, self.epoch_ns, self.settings = core, epoch_ns, settings
         self.models.clear()
@@ -375,13 +383,13 @@ class World:
 
     # --- starting again
 
-    def reset_world(self):
+    def reset_world(self) -> None:
         """Models back to where they were spawned, at rest; time goes on."""
         self.pushes.forget()
         self.core.reset_world()
         self._lift()
 
-    def reset_simulation(self):
+    def reset_simulation(self) -> None:
         """Time back to 0, models back to where they were spawned. Controllers that run begin anew."""
         self.epoch_ns, lights = 0, self.lights
         self.pushes.forget()
@@ -393,6 +401,6 @@ class World:
         self._restore_lights(lights)
         self._lift()
 
-    def _lift(self):
+    def _lift(self) -> None:
         for model in self.models.values():
             model.push({}, {})

@@ -31,6 +31,10 @@ struct Finish {
   bool unlit = false;  ///< drawn in its own colour, whatever the lights are: <lighting>false</lighting>
 };
 
+/** Texture coordinates of a shape to those of its picture, (s', t') = A [s t 1]'. s runs to the right and t downwards,
+ *  each from 0 to 1 over the picture, which repeats beyond. */
+using TextureTransform = Eigen::Matrix<double, 2, 3>;
+
 /** One <visual> of a link. */
 struct Visual {
   std::string link;
@@ -38,8 +42,9 @@ struct Visual {
   Geometry geometry;
   Rgba color;
   Finish finish;
-  bool has_color = false;  ///< false: the URDF gave no material, `color` is the default grey
-  std::string texture;     ///< picture of the URDF's material, as written; empty: none
+  bool has_color = false;                             ///< false: the URDF gave no material, `color` is the default grey
+  std::string texture;                                ///< picture of the URDF's material, as written; empty: none
+  std::optional<TextureTransform> texture_transform;  ///< nothing: the picture lies as on every shape of its kind
 };
 
 /** One <collision> of a link. */

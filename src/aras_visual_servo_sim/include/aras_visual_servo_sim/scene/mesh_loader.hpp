@@ -1,10 +1,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 
 #include "aras_visual_servo_sim/config/package_paths.hpp"
 #include "aras_visual_servo_sim/image/texture.hpp"
+#include "aras_visual_servo_sim/robot/robot_model.hpp"
 #include "aras_visual_servo_sim/scene/triangle_mesh.hpp"
 
 namespace aras_visual_servo_sim {
@@ -21,7 +23,10 @@ namespace aras_visual_servo_sim {
 MeshPtr loadMesh(const std::string& path, const Eigen::Vector3d& scale = Eigen::Vector3d::Ones(),
                  const PackagePaths& packages = PackagePaths());
 
-/** A copy of a mesh with one picture instead of all colours. @throws ModelError if it has no texture coordinates */
-MeshPtr withPicture(const TriangleMesh& mesh, const TexturePtr& texture);
+/** A copy of a mesh with one picture instead of all colours.
+ *  @param transform  of its texture coordinates; a round body with one is its polyhedron
+ *  @throws ModelError if it has no texture coordinates */
+MeshPtr withPicture(const TriangleMesh& mesh, const TexturePtr& texture,
+                    const std::optional<TextureTransform>& transform = std::nullopt);
 
 }  // namespace aras_visual_servo_sim

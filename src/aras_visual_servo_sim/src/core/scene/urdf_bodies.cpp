@@ -32,7 +32,8 @@ void addShapes(const Visual& visual, MeshCache& meshes, Body& body) {
   const Material material = materialOf(visual);
   const Pose& X_BS = visual.X_link_visual;
   if (!visual.texture.empty()) {
-    const MeshPtr mesh = withPicture(*meshes.of(visual.geometry), meshes.picture(visual.texture));
+    const MeshPtr mesh =
+        withPicture(*meshes.of(visual.geometry), meshes.picture(visual.texture), visual.texture_transform);
     body.shapes.push_back({X_BS, shared(mesh), {255, 255, 255}, material});
     return;
   }

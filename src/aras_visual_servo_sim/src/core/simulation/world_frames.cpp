@@ -8,8 +8,6 @@
 namespace aras_visual_servo_sim {
 namespace {
 
-constexpr int kLarge_px = 150000;  // an image that takes long enough for another thread to begin with it
-
 int pixelsOf(const Camera& camera) { return camera.model().width() * camera.model().height(); }
 
 }  // namespace

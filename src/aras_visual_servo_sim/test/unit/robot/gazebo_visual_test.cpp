@@ -44,6 +44,21 @@ TEST(GazeboVisual, ColoursReplaceThoseOfTheNamedMaterial) {
   EXPECT_EQ(allOf(robot.warnings), "");
 }
 
+TEST(GazeboVisual, SaysHowAPictureLiesOnAShape) {
+  const RobotModel robot = robotWith(
+      "<visual name='second'><material><texture_transform>2 0 -0.5  0 4 1e1</texture_transform></material></visual>");
+  const std::vector<Visual>& visuals = robot.links[0].visuals;
+  TextureTransform expected;
+  expected << 2.0, 0.0, -0.5, 0.0, 4.0, 10.0;
+  EXPECT_FALSE(visuals[0].texture_transform);
+  ASSERT_TRUE(visuals[1].texture_transform);
+  EXPECT_EQ(*visuals[1].texture_transform, expected);
+  for (const char* text : {"", "1 0 0 0 1", "1 0 0 0 1 0 0", "1 0 0 0 nan 0", "1 0 0 0 1 x"}) {
+    const std::string tag = std::string("<texture_transform>") + text + "</texture_transform>";
+    EXPECT_THROW(robotWith("<visual><material>" + tag + "</material></visual>"), ModelError) << text;
+  }
+}
+
 TEST(GazeboVisual, WhatIsNotUsedIsNamedAndWhatIsNoColourRefused) {
   const std::string warnings = allOf(robotWith(R"(<visual><laser_retro>1</laser_retro><material><shader>1</shader>
     <script><name>Own/Marble</name></script></material></visual>)")

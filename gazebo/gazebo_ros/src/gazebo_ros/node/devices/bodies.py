@@ -1,4 +1,6 @@
 """Where links are, what they touch and what they see: p3d, joint states, bumpers, range sensors, lasers of points."""
+import typing
+
 import numpy
 from gazebo_msgs.msg import ContactsState, ContactState
 from geometry_msgs.msg import Point32, Vector3, Wrench
@@ -21,7 +23,7 @@ class Pose3dOutlet(SensorOutlet):
 
     kind = Odometry
 
-    def measured(self, now_ns):
+    def measured(self, now_ns: int) -> Odometry:
         pose, twist = self.device.measured(self.model)
         message = stamped(Odometry, now_ns, self.device.frame, child_frame_id=self.device.link)
         message.pose.pose = pose_message(pose)
@@ -33,10 +35,10 @@ class Pose3dOutlet(SensorOutlet):
 
 @serves(JointStatePublisher)
 class JointStatesOutlet(DeviceOutlet):
-    def open(self):
+    def open(self) -> None:
         self._messages = self.advertise(self.device.topic, JointState)
 
-    def send(self, now_ns):
+    def send(self, now_ns: int) -> None:
         names, positions, velocities = self.device.measured(self.model)
         self._messages.publish(stamped(JointState, now_ns, name=names, position=positions, velocity=velocities))
 
@@ -45,10 +47,10 @@ class JointStatesOutlet(DeviceOutlet):
 class BumperOutlet(DeviceOutlet):
     """Points, normals and forces are in the world, whatever frame the header names, as in Gazebo."""
 
-    def open(self):
+    def open(self) -> None:
         self._messages = self.advertise(self.device.topic, ContactsState)
 
-    def send(self, now_ns):
+    def send(self, now_ns: int) -> None:
         message = stamped(ContactsState, now_ns, self.device.frame)
         own = collision_of("%s::%s" % (self.model.name, self.device.link))
         centre = self.model.link_pose(self.device.link)[:3, 3]
@@ -64,7 +66,7 @@ class BumperOutlet(DeviceOutlet):
         self._messages.publish(message)
 
 
-def wrench_message(force, torque):
+def wrench_message(force: typing.Sequence[float], torque: typing.Sequence[float]) -> Wrench:
     """geometry_msgs/Wrench."""
     return Wrench(Vector3(*map(float, force)), Vector3(*map(float, torque)))
 
@@ -73,7 +75,7 @@ def wrench_message(force, torque):
 class RangeOutlet(RaysOutlet):
     kind = Range
 
-    def measured(self, now_ns):
+    def measured(self, now_ns: int) -> Range:
         device = self.device
         ranges, _ = self.scan()
         nearest = device.nearest(ranges, device.range_max_m)
@@ -88,11 +90,11 @@ class RangeOutlet(RaysOutlet):
 class BlockLaserOutlet(RaysOutlet):
     kind = PointCloud
 
-    def open(self):
+    def open(self) -> None:
         super().open()
         self._intensities = Noise(self.device.topic + " intensities", self.device.noise)
 
-    def measured(self, now_ns):
+    def measured(self, now_ns: int) -> PointCloud:
         ranges, retros = self.scan()
         points = self.device.points(ranges, self.directions)
         points = numpy.where(numpy.isfinite(ranges)[:, None], self._noise(points, now_ns), points)

@@ -1,5 +1,6 @@
 """Bases that follow a twist besides those on two wheels: four wheels, a base that slides, a body that flies."""
 import math
+import typing
 
 import numpy
 from geometry_msgs.msg import Twist
@@ -24,18 +25,18 @@ class CommandedOutlet(DeviceOutlet):
 
     told = None
 
-    def follow(self, topic):
+    def follow(self, topic: str) -> None:
         """Listens to the commands."""
         self.listen(topic, Twist, self._command)
 
-    def _command(self, message):
+    def _command(self, message: typing.Any) -> None:
         parts = [[getattr(part, axis) for axis in "xyz"] for part in (message.linear, message.angular)]
         self.told = numpy.asarray(parts) if all(map(math.isfinite, sum(parts, []))) else numpy.zeros((2, 3))
 
-    def wanted(self):
+    def wanted(self) -> bool:
         return True
 
-    def time_reset(self, now_ns):
+    def time_reset(self, now_ns: int) -> None:
         self.told = None
         super().time_reset(now_ns)
 
@@ -43,12 +44,12 @@ class CommandedOutlet(DeviceOutlet):
 class BaseOutlet(CommandedOutlet):
     """A base on the ground, which tells its odometry."""
 
-    def open(self):
+    def open(self) -> None:
         self.follow(self.device.command_topic)
         self._odometry = self.advertise(self.device.odometry_topic, Odometry)
         self._transforms = self.advertise("/tf", TFMessage)
 
-    def send_odometry(self, now_ns, variances, transforms):
+    def send_odometry(self, now_ns: int, variances: typing.Sequence[float], transforms: bool) -> None:
         """Sends the true pose, and the twist in the heading of the base."""
         device, pose, twist = self.device, self.model.pose(), self.model.twist()
         yaw = math.atan2(pose[1, 0], pose[0, 0])
@@ -63,7 +64,7 @@ class BaseOutlet(CommandedOutlet):
 
 @serves(SkidSteer)
 class SkidSteerOutlet(BaseOutlet):
-    def send(self, now_ns):
+    def send(self, now_ns: int) -> None:
         x, y, yaw = self.device.variances
         self.send_odometry(now_ns, (x, y, FAR, FAR, FAR, yaw), self.device.publishes_tf)
         if self.told is not None:
@@ -72,11 +73,11 @@ class SkidSteerOutlet(BaseOutlet):
 
 @serves(PlanarMove)
 class PlanarMoveOutlet(BaseOutlet):
-    def begin(self, now_ns):
+    def begin(self, now_ns: int) -> None:
         super().begin(now_ns)
         self._told_of = Beat(self.device.odometry_rate_hz or self.rate_hz, now_ns)
 
-    def send(self, now_ns):
+    def send(self, now_ns: int) -> None:
         if self.told is not None:
             self.device.move(self.model, self.told[0, 0], self.told[0, 1], self.told[1, 2])
         if self._told_of.due(now_ns):
@@ -87,9 +88,9 @@ class PlanarMoveOutlet(BaseOutlet):
 class VelocityFlightOutlet(CommandedOutlet):
     """Flies from the first command on; before it the body lies where it is."""
 
-    def open(self):
+    def open(self) -> None:
         self.follow(self.device.topic)
 
-    def send(self, now_ns):
+    def send(self, now_ns: int) -> None:
         if self.told is not None:
             self.device.fly(self.model, self.told[0], self.told[1, 2], 1.0 / self.rate_hz)

@@ -1,5 +1,6 @@
 """A base on two wheels that are driven by a twist: cmd_vel in; odometry, transforms and joint states out."""
 import math
+import typing
 
 import numpy
 from geometry_msgs.msg import Twist
@@ -20,7 +21,7 @@ VARIANCES = (1e-5, 1e-5, 1e12, 1e12, 1e12, 1e-3)
 
 @serves(DiffDrive)
 class DiffDriveOutlet(DeviceOutlet):
-    def open(self):
+    def open(self) -> None:
         device = self.device
         self._rest()
         self.listen(named(device.namespace, device.command_topic), Twist, self._command)
@@ -31,30 +32,30 @@ class DiffDriveOutlet(DeviceOutlet):
         if device.publishes_joint_states:
             self._states = self.advertise(named(device.namespace, "joint_states"), JointState)
 
-    def _command(self, message):
+    def _command(self, message: typing.Any) -> None:
         self._wanted = (message.linear.x, message.angular.z)
         if not all(map(math.isfinite, self._wanted)):
             self._wanted = (0.0, 0.0)
 
-    def _wheels(self, what):
+    def _wheels(self, what: str) -> numpy.ndarray:
         names, values = self.simulation.joint_names, getattr(self.simulation, what)
         return numpy.array([values[names.index(joint)] for joint in self.device.joints()])
 
-    def time_reset(self, now_ns):
+    def time_reset(self, now_ns: int) -> None:
         super().time_reset(now_ns)
         self._rest()
 
-    def wanted(self):
+    def wanted(self) -> bool:
         return True
 
-    def _rest(self):
+    def _rest(self) -> None:
         self._wanted = (0.0, 0.0)          # of the base [m/s, rad/s]
         self._issued = numpy.zeros(2)      # speed of the rims, left and right [m/s]
         radius = 0.5 * self.device.diameter_m
         self._counted = WheelOdometry(self.device.separation_m, radius, radius)
         self._counted.update(*self._wheels("joint_positions"))
 
-    def send(self, now_ns):
+    def send(self, now_ns: int) -> None:
         if self.device.from_wheels:
             self._counted.update(*self._wheels("joint_positions"))
         if self._odometry is not None:
@@ -66,7 +67,7 @@ class DiffDriveOutlet(DeviceOutlet):
                                          position=list(map(float, self._wheels("joint_positions")))))
         self._drive()
 
-    def _drive(self):
+    def _drive(self) -> None:
         """Sets the wheels' speeds, both at once, no faster than the acceleration allows."""
         device, radius = self.device, 0.5 * self.device.diameter_m
         forward, turn = self._wanted
@@ -79,7 +80,7 @@ class DiffDriveOutlet(DeviceOutlet):
             self._issued = self._issued + numpy.clip(wanted - rims, -most, most)
         self.model.turn_wheels(device, self._issued / radius)
 
-    def _send_odometry(self, now_ns):
+    def _send_odometry(self, now_ns: int) -> None:
         device = self.device
         if device.from_wheels:
             pose, velocity = self._counted.pose(), self._counted.velocity(*self._wheels("joint_velocities"))
@@ -93,7 +94,7 @@ class DiffDriveOutlet(DeviceOutlet):
         if device.publishes_tf:
             self._transforms.publish([transform_message(message.header, device.base_frame, message.pose.pose)])
 
-    def _send_wheels(self, now_ns):
+    def _send_wheels(self, now_ns: int) -> None:
         for joint in self.device.joints():
             parent, child = self.model.description.parents[joint], self.model.description.children[joint]
             pose = pose_message(numpy.linalg.inv(self.model.link_pose(parent)) @ self.model.link_pose(child))

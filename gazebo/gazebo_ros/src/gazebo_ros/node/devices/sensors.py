@@ -1,4 +1,6 @@
 """Sensors that publish one topic: inertial measurement units, force-torque sensors of joints, lasers."""
+import typing
+
 import numpy
 from geometry_msgs.msg import Vector3, WrenchStamped
 from sensor_msgs.msg import Imu as ImuMessage
@@ -6,7 +8,9 @@ from sensor_msgs.msg import LaserScan
 from std_srvs.srv import Empty, EmptyResponse
 
 from ...world.devices import ForceTorque, Imu, Laser, directions_of, resampled
+from ...world.model import Model
 from ...world.poses import quaternion_of
+from ...world.world import World
 from ..convert import stamped
 from .outlet import DeviceOutlet, Noise, serves
 
@@ -14,11 +18,17 @@ from .outlet import DeviceOutlet, Noise, serves
 class SensorOutlet(DeviceOutlet):
     """Sends what measured(now_ns) gives, a message of the class `kind`, while somebody listens."""
 
-    def open(self):
+    kind: typing.Any = None  #: class of the message
+
+    def open(self) -> None:
         self._noise = Noise(self.device.topic, self.device.noise)
         self._messages = self.advertise(self.device.topic, self.kind)
 
-    def send(self, now_ns):
+    def measured(self, now_ns: int) -> typing.Any:
+        """Returns the message of a time."""
+        raise NotImplementedError
+
+    def send(self, now_ns: int) -> None:
         self._messages.publish(self.measured(now_ns))
 
 
@@ -28,7 +38,7 @@ class ForceTorqueOutlet(SensorOutlet):
 
     kind = WrenchStamped
 
-    def measured(self, now_ns):
+    def measured(self, now_ns: int) -> WrenchStamped:
         values = self._noise(self.simulation.joint_wrench(self.device.joint), now_ns)
         message = stamped(WrenchStamped, now_ns, self.model.description.children[self.device.joint])
         message.wrench.force = Vector3(*map(float, values[:3]))
@@ -42,12 +52,12 @@ class ImuOutlet(SensorOutlet):
 
     kind = ImuMessage
 
-    def open(self):
+    def open(self) -> None:
         super().open()
         if self.device.service:
             self.serve(self.device.service, Empty, lambda _: EmptyResponse())
 
-    def measured(self, now_ns):
+    def measured(self, now_ns: int) -> ImuMessage:
         pose = self.model.link_pose(self.device.link)
         force = self.simulation.link_acceleration(self.device.link)[:3] - pose[:3, :3].T @ self.model.gravity_m_s2
         turning = self.simulation.link_twist(self.device.link)[3:]
@@ -66,11 +76,11 @@ class ImuOutlet(SensorOutlet):
 class RaysOutlet(SensorOutlet):
     """Of sensors that look along rays."""
 
-    def open(self):
+    def open(self) -> None:
         super().open()
         self.directions = directions_of(self.device.horizontal, self.device.vertical)
 
-    def scan(self):
+    def scan(self) -> typing.Tuple[numpy.ndarray, numpy.ndarray]:
         """What it measures now, without noise."""
         return scan(self.world, self.model, self.device, self.directions)
 
@@ -81,7 +91,7 @@ class LaserOutlet(RaysOutlet):
 
     kind = LaserScan
 
-    def measured(self, now_ns):
+    def measured(self, now_ns: int) -> LaserScan:
         device, turns = self.device, self.device.horizontal
         ranges, retros = self.scan()
         noisy = self._noise(ranges + device.noise_mean, now_ns)
@@ -93,7 +103,8 @@ class LaserOutlet(RaysOutlet):
                        intensities=retros.tolist())
 
 
-def scan(world, model, device, directions):
+def scan(world: World, model: Model, device: Laser,
+         directions: numpy.ndarray) -> typing.Tuple[numpy.ndarray, numpy.ndarray]:
     """What a laser measures now, without noise: ranges, infinite where there is nothing, and intensities."""
     ranges, retros = world.cast_rays(model.link_pose(device.link) @ device.X_LS, directions, device.range_min_m,
                                      device.range_max_m, device.sees_visuals)

@@ -1,4 +1,6 @@
 """The services /gazebo/... of one link or joint: its state, its properties, and what pushes it."""
+import typing
+
 import gazebo_msgs.srv as srv
 import numpy
 import rospy
@@ -8,6 +10,7 @@ from geometry_msgs.msg import Point, Pose, Quaternion
 from aras_visual_servo_sim import ArasError, ParameterError
 
 from ...urdf.properties import INERTIA_KEYS, LinkProperties
+from ...world.model import Model
 from ...world.poses import rotated
 from ...world.world import WORLD_FRAMES
 from ..convert import pose_message, pose_of, twist_message, twist_of
@@ -19,7 +22,7 @@ SCOPE = "did you forget to scope the link by model name?"
 
 
 class PartServices(Services):
-    def offer(self):
+    def offer(self) -> None:
         for name, kind, answer, done in (
                 ("get_link_state", srv.GetLinkState, self._link_state, "GetLinkState: got state"),
                 ("set_link_state", srv.SetLinkState, self._place_link, "SetLinkState: success"),
@@ -33,14 +36,14 @@ class PartServices(Services):
                 ("clear_joint_forces", srv.JointRequest, self._clear_joint, "")):
             self.serve(name, kind, answer, done)
 
-    def _find_joint(self, name):
+    def _find_joint(self, name: str) -> typing.Tuple[Model, str]:
         """(model, joint) of MODEL::JOINT or JOINT."""
         joint = name.rpartition("::")[2]
         return self.world.joint_owner(joint), joint
 
     # --- links
 
-    def _link_state(self, request):
+    def _link_state(self, request: typing.Any) -> typing.Dict[str, typing.Any]:
         model, link = found(self.world.scoped, request.link_name, "GetLinkState: link not found, " + SCOPE)
         X_WF, _ = found(self.world.frame, request.reference_frame,
                         "GetLinkState: reference reference_frame not found, " + SCOPE)
@@ -49,7 +52,7 @@ class PartServices(Services):
         return {"link_state": LinkState(request.link_name, pose_message(X_FW @ model.link_pose(link)),
                                         twist_message(rotated(X_FW, model.link_twist(link))), frame)}
 
-    def _place_link(self, request):
+    def _place_link(self, request: typing.Any) -> None:
         """A root link is placed with all that it carries; the others cannot leave their joints."""
         state = request.link_state
         model, link = found(self.world.scoped, state.link_name, "SetLinkState: link does not exist")
@@ -60,13 +63,13 @@ class PartServices(Services):
         model.place(X_WF @ pose_of(state.pose, "SetLinkState: pose"),
                     rotated(X_WF, numpy.asarray(twist_of(state.twist))))
 
-    def _link(self, request):
+    def _link(self, request: typing.Any) -> typing.Dict[str, typing.Any]:
         model, link = found(self.world.scoped, request.link_name, "GetLinkProperties: link not found, " + SCOPE)
         own = model.properties_of(link)
         return {"com": Pose(Point(*own.com_m), Quaternion(0.0, 0.0, 0.0, 1.0)), "mass": own.mass_kg,
                 "gravity_mode": own.gravity, **dict(zip(INERTIA_KEYS, own.inertia_kg_m2))}
 
-    def _set_link(self, request):
+    def _set_link(self, request: typing.Any) -> None:
         model, link = found(self.world.scoped, request.link_name, "SetLinkProperties: link not found, " + SCOPE)
         com = request.com.position
         properties = LinkProperties(request.mass, (com.x, com.y, com.z),
@@ -74,7 +77,7 @@ class PartServices(Services):
         require_finite("SetLinkProperties", properties.mass_kg, *properties.com_m, *properties.inertia_kg_m2)
         self.world.change_link(model.name, link, properties)
 
-    def _push_link(self, request):
+    def _push_link(self, request: typing.Any) -> None:
         model, link = found(self.world.scoped, request.body_name, "ApplyBodyWrench: body does not exist")
         parts = [(v.x, v.y, v.z) for v in (request.wrench.force, request.wrench.torque, request.reference_point)]
         require_finite("ApplyBodyWrench", *sum(parts, ()))
@@ -86,20 +89,20 @@ class PartServices(Services):
             torque = torque + numpy.cross(X_WF[:3, 3] - model.centre_of_mass(link), force)
         self._push(model, link, False, (*force, *torque), request)
 
-    def _clear_link(self, request):
+    def _clear_link(self, request: typing.Any) -> None:
         model, link = self.world.scoped(request.body_name)
         self.world.pushes.clear(model.name, link, False, self.world.time_ns)
 
     # --- joints
 
-    def _joint(self, request):
+    def _joint(self, request: typing.Any) -> typing.Dict[str, typing.Any]:
         model, joint = found(self._find_joint, request.joint_name, "GetJointProperties: joint not found")
         simulation = model.simulation
         k = simulation.joint_names.index(joint)
         return {"type": model.description.joint_types.get(joint, 0), "damping": [model.damping_of(joint)],
                 "position": [simulation.joint_positions[k]], "rate": [simulation.joint_velocities[k]]}
 
-    def _set_joint(self, request):
+    def _set_joint(self, request: typing.Any) -> None:
         """A motor of ODE (fmax, vel) that holds a joint still with at most a force is Coulomb's friction."""
         model, joint = found(self._find_joint, request.joint_name, "SetJointProperties: joint not found")
         config = request.ode_joint_config
@@ -115,15 +118,15 @@ class PartServices(Services):
         said = {"damping": config.damping, "friction": config.fmax, "lower": config.loStop, "upper": config.hiStop}
         self.world.change_joint(model.name, joint, {key: values[0] for key, values in said.items() if values})
 
-    def _push_joint(self, request):
+    def _push_joint(self, request: typing.Any) -> None:
         model, joint = found(self._find_joint, request.joint_name, "ApplyJointEffort: joint not found")
         require_finite("ApplyJointEffort: effort", request.effort)
         self._push(model, joint, True, request.effort, request)
 
-    def _clear_joint(self, request):
+    def _clear_joint(self, request: typing.Any) -> None:
         model, joint = self._find_joint(request.joint_name)
         self.world.pushes.clear(model.name, joint, True, self.world.time_ns)
 
-    def _push(self, model, what, is_joint, value, request):
+    def _push(self, model: Model, what: str, is_joint: bool, value: typing.Any, request: typing.Any) -> None:
         self.world.pushes.add(model.name, what, is_joint, value, request.start_time.to_nsec(),
                               request.duration.to_nsec(), self.world.period_ns, self.world.time_ns)

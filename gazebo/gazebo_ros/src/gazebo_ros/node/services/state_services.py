@@ -2,6 +2,7 @@
 robot have it."""
 import itertools
 import pathlib
+import typing
 
 from aras_visual_servo_msgs.srv import RestoreState, SaveState
 
@@ -14,12 +15,12 @@ MOST = 100  #: states that are kept
 
 
 class StateServices(Services):
-    def offer(self):
+    def offer(self) -> None:
         self._kept, self._numbers = {}, itertools.count(1)
         self.serve("save_state", SaveState, self._save)
         self.serve("restore_state", RestoreState, lambda request: self.server.restore(self._found(request)))
 
-    def _save(self, request):
+    def _save(self, request: typing.Any) -> typing.Dict[str, typing.Any]:
         name, state = request.name or "state_%d" % next(self._numbers), snapshot.saved(self.world)
         if name not in self._kept and len(self._kept) >= MOST:
             raise ParameterError("save_state: found %d states that are kept, allowed are up to %d" %
@@ -29,7 +30,7 @@ class StateServices(Services):
         self._kept[name] = state
         return {"message": "state of %.3f s" % (1e-9 * self.world.time_ns), "name": name}
 
-    def _found(self, request):
+    def _found(self, request: typing.Any) -> bytes:
         """bytes. Raises: ParameterError, OSError."""
         if bool(request.name) == bool(request.file):
             raise ParameterError("restore_state: found %s of name and file, allowed one of them" %

@@ -1,5 +1,7 @@
 """The services /gazebo/... of the world, its models and lights: what makes sense here is done as Gazebo does it, the
 rest is refused with a reason."""
+import typing
+
 import gazebo_msgs.srv as srv
 import numpy
 from gazebo_msgs.msg import ODEPhysics
@@ -16,7 +18,7 @@ from .serve import Services, found, require_finite
 
 
 class WorldServices(Services):
-    def offer(self):
+    def offer(self) -> None:
         server, spawned = self.server, "SpawnModel: Successfully spawned entity"
         for name, kind, answer, done in (
                 ("spawn_urdf_model", srv.SpawnModel, lambda request: self._spawn(request, server.spawn), spawned),
@@ -46,18 +48,18 @@ class WorldServices(Services):
     # --- models
 
     @staticmethod
-    def _spawn(request, spawn):
+    def _spawn(request: typing.Any, spawn: typing.Callable[..., None]) -> None:
         spawn(request.model_name, request.model_xml, request.robot_namespace,
               pose_of(request.initial_pose, "SpawnModel: initial_pose"), request.reference_frame)
 
-    def _delete(self, request):
+    def _delete(self, request: typing.Any) -> None:
         if request.model_name == GROUND:
             self.world.remove_ground()
             return
         found(self.world.model, request.model_name, "DeleteModel: model does not exist")
         self.server.delete(request.model_name)
 
-    def _model_state(self, request):
+    def _model_state(self, request: typing.Any) -> typing.Dict[str, typing.Any]:
         ground = request.model_name == GROUND and self.world.settings.ground
         model = None if ground else found(self.world.model, request.model_name, "GetModelState: model does not exist")
         X_WF, _ = found(self.world.frame, request.relative_entity_name, "GetModelState: reference "
@@ -67,7 +69,7 @@ class WorldServices(Services):
         header = Header(stamp=stamp(self.world.time_ns), frame_id=request.relative_entity_name)
         return {"header": header, "pose": pose_message(X_FW @ X_WM), "twist": twist_message(rotated(X_FW, twist))}
 
-    def place(self, state):
+    def place(self, state: typing.Any) -> None:
         """What the topic set_model_state does too. Raises: ArasError."""
         model = found(self.world.model, state.model_name, "SetModelState: model does not exist")
         X_WF, _ = found(self.world.frame, state.reference_frame,
@@ -76,27 +78,27 @@ class WorldServices(Services):
         model.place(pose, rotated(X_WF, numpy.asarray(twist_of(state.twist))))
         self.server.placed(state.model_name)
 
-    def _configure(self, request):
+    def _configure(self, request: typing.Any) -> None:
         model = found(self.world.model, request.model_name, "SetModelConfiguration: model does not exist")
         if len(request.joint_names) != len(request.joint_positions):
             raise ArasError("SetModelConfiguration: joint name and position list have different lengths")
         model.set_joints(dict(zip(request.joint_names, request.joint_positions)))
 
-    def _model(self, request):
+    def _model(self, request: typing.Any) -> typing.Dict[str, typing.Any]:
         model = found(self.world.model, request.model_name, "GetModelProperties: model does not exist")
         return {"canonical_body_name": model.root, "body_names": model.bodies,
                 "joint_names": model.simulation.joint_names, "is_static": model.description.fixed}
 
     # --- lights
 
-    def _light(self, request):
+    def _light(self, request: typing.Any) -> typing.Dict[str, typing.Any]:
         light = self.world.light(request.light_name)
         return {"diffuse": ColorRGBA(*(light.get("intensity", 1.0) * part / 255.0 for part in light["color_rgb"]), 1.0),
                 "attenuation_constant": light.get("attenuation_constant", 1.0),
                 "attenuation_linear": light.get("attenuation_linear", 0.0),
                 "attenuation_quadratic": light.get("attenuation_quadratic", 0.0)}
 
-    def _set_light(self, request):
+    def _set_light(self, request: typing.Any) -> None:
         """A direction of zeros, and an orientation of zeros, are none: then the light stays as it is."""
         light = self.world.light(request.light_name)
         brightest = max(1.0, *(getattr(color, part) for color in (request.diffuse, request.specular) for part in "rgb"))
@@ -119,17 +121,17 @@ class WorldServices(Services):
 
     # --- the world
 
-    def _world(self, _request):
+    def _world(self, _request: typing.Any) -> typing.Dict[str, typing.Any]:
         return {"sim_time": 1e-9 * self.world.time_ns, "model_names": self.server.model_names(),
                 "rendering_enabled": True}
 
-    def _physics(self, _request):
+    def _physics(self, _request: typing.Any) -> typing.Dict[str, typing.Any]:
         settings = self.world.settings
         return {"time_step": settings.period_s, "pause": self.server.paused,
                 "max_update_rate": self.server.update_rate_hz, "gravity": Vector3(*settings.gravity_m_s2),
                 "ode_config": ODEPhysics()}
 
-    def _set_physics(self, request):
+    def _set_physics(self, request: typing.Any) -> None:
         gravity = (request.gravity.x, request.gravity.y, request.gravity.z)
         require_finite("set_physics_properties", *gravity, request.max_update_rate, request.time_step)
         self.server.set_physics(request.time_step, gravity, request.max_update_rate)

@@ -9,7 +9,7 @@ from ..multicameras import MULTICAMERA, PROSILICA
 CONTROL, MIMIC = "gazebo_ros_control", "mimic_joint"  #: pieces of file names
 
 
-def is_simulated(file):
+def is_simulated(file: str) -> bool:
     """Whether a plugin of this file name does its work here, as a device, a camera, ros_control or a mimic joint."""
     return (is_read(file) or file in (CAMERA, *KINECT, REALSENSE, MULTICAMERA, PROSILICA) or
             any(piece in file for piece in (CONTROL, MIMIC)))

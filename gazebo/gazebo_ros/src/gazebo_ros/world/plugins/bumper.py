@@ -1,7 +1,13 @@
 """libgazebo_ros_bumper.so: where a link touches something, and how hard."""
 import dataclasses
+import typing
+import xml.etree.ElementTree as ElementTree
 
 from ..devices import Device, named, number, reads, text
+
+if typing.TYPE_CHECKING:
+    from ..model import Model
+    from ..world import Touch, World
 
 GROUND = "ground_plane::link::collision"  #: Gazebo's name of the ground
 
@@ -14,10 +20,10 @@ class Bumper(Device):
     frame: str
     rate_hz: float
 
-    def links(self):
+    def links(self) -> typing.Tuple[str, ...]:
         return (self.link,)
 
-    def touched(self, world, model):
+    def touched(self, world: "World", model: "Model") -> typing.Dict[str, typing.List["Touch"]]:
         """Returns dict of the scoped name of what the link touches -> list of Touch."""
         found = {}
         for touch in world.touches(model.name, self.link):
@@ -25,13 +31,14 @@ class Bumper(Device):
         return found
 
 
-def collision_of(scoped):
+def collision_of(scoped: str) -> str:
     """Returns how Gazebo calls the collision of MODEL::LINK."""
     return GROUND if scoped == "ground_plane" else "%s::%s_collision" % (scoped, scoped.rpartition("::")[2])
 
 
 @reads("libgazebo_ros_bumper.so")
-def bumper(plugin, sensor, link, namespace):
+def bumper(plugin: ElementTree.Element, sensor: typing.Optional[ElementTree.Element], link: str,
+           namespace: str) -> Bumper:
     """Reads the tag, which stands in a sensor of type contact."""
     rate_hz = number(plugin, "updateRate", number(sensor, "update_rate", 0.0) if sensor is not None else 0.0)
     return Bumper(link, named(namespace, text(plugin, "bumperTopicName", "bumper_states")),

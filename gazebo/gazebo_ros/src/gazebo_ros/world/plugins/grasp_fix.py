@@ -4,6 +4,8 @@ The keys, defaults and rules are those of gazebo_grasp_plugin (gazebo-pkgs of Je
 time, by the palm."""
 import dataclasses
 import math
+import typing
+import xml.etree.ElementTree as ElementTree
 
 import numpy
 
@@ -11,6 +13,11 @@ from aras_visual_servo_sim import ArasError
 
 from ..devices import Device, number, reads, text
 
+if typing.TYPE_CHECKING:
+    from ..model import Model
+    from ..world import World
+
+Forces = typing.Dict[str, typing.Dict[str, numpy.ndarray]]  #: on each link, by each finger [N]
 SMALLEST_RATIO = 0.3  #: of two forces that count as opposed, the smaller to the larger
 
 
@@ -25,18 +32,18 @@ class GraspFix(Device):
     most: int                 #: looks that are counted
     release_m: float          #: a finger that moves away by this lets go
 
-    def links(self):
+    def links(self) -> typing.Tuple[str, ...]:
         return (self.palm, *self.fingers)
 
 
 class Grasp:
     """What the plugin does. Attributes: held: dict of scoped link -> dict of finger -> its place in the object."""
 
-    def __init__(self, device, world, model):
+    def __init__(self, device: GraspFix, world: "World", model: "Model") -> None:
         self._device, self._world, self._model = device, world, model
         self._counts, self.held = {}, {}
 
-    def update(self):
+    def update(self) -> None:
         """Looks at the contacts once: counts, holds and lets go."""
         forces, device = self._forces(), self._device
         pressed = {link for link, fingers in forces.items() if self.is_gripped(fingers.values())}
@@ -50,17 +57,17 @@ class Grasp:
             if self._counts.get(link, 0) <= device.threshold and self._opened(link):
                 self.release(link)
 
-    def release(self, link):
+    def release(self, link: str) -> None:
         """Lets an object go."""
         self.held.pop(link)
         self._counts.pop(link, None)
         self._world.detach(self._palm, link)
 
     @property
-    def _palm(self):
+    def _palm(self) -> str:
         return "%s::%s" % (self._model.name, self._device.palm)
 
-    def _forces(self):
+    def _forces(self) -> Forces:
         """dict of scoped link of another model -> dict of finger -> force on that link (3,) [N]."""
         found = {}
         for finger in self._device.fingers:
@@ -72,7 +79,7 @@ class Grasp:
                     sums[finger] = sums.get(finger, 0.0) - touch.force
         return found
 
-    def is_gripped(self, forces):
+    def is_gripped(self, forces: typing.Iterable[numpy.ndarray]) -> bool:
         """Whether two of these forces (3,) on an object press against each other."""
         forces = [force for force in forces if numpy.linalg.norm(force) > 0.0]
         for k, one in enumerate(forces):
@@ -83,25 +90,26 @@ class Grasp:
                     return True
         return False
 
-    def _hold(self, link, fingers):
+    def _hold(self, link: str, fingers: typing.Iterable[str]) -> None:
         try:
             self._world.attach(self._palm, link)
         except ArasError:
             return  # it is held already
         self.held[link] = {finger: self._place(link, finger) for finger in fingers}
 
-    def _place(self, link, finger):
+    def _place(self, link: str, finger: str) -> numpy.ndarray:
         model, name = self._world.scoped(link)
         return (numpy.linalg.inv(model.link_pose(name)) @ self._model.link_pose(finger))[:3, 3]
 
-    def _opened(self, link):
+    def _opened(self, link: str) -> bool:
         """Whether a finger that held the object has moved away from where it was."""
         return any(numpy.linalg.norm(self._place(link, finger) - place) > self._device.release_m
                    for finger, place in self.held[link].items())
 
 
 @reads("libgazebo_grasp_fix.so", "libgazebo_ros_grasp_fix.so")
-def grasp_fix(plugin, _sensor, _link, _namespace):
+def grasp_fix(plugin: ElementTree.Element, _sensor: typing.Optional[ElementTree.Element], _link: str,
+              _namespace: str) -> GraspFix:
     """Reads the tag, also of the older releases without <arm>; of several arms the first counts."""
     arm = plugin if plugin.find("arm") is None else plugin.find("arm")
     most = int(number(plugin, "max_grip_count", 10))

@@ -1,7 +1,12 @@
 """libgazebo_ros_joint_state_publisher.so: positions and velocities of the joints that it names."""
 import dataclasses
+import typing
+import xml.etree.ElementTree as ElementTree
 
 from ..devices import Device, named, number, reads, text
+
+if typing.TYPE_CHECKING:
+    from ..model import Model
 
 
 @dataclasses.dataclass(frozen=True)
@@ -11,10 +16,10 @@ class JointStatePublisher(Device):
     topic: str
     rate_hz: float
 
-    def joints(self):
+    def joints(self) -> typing.Tuple[str, ...]:
         return self.names
 
-    def measured(self, model):
+    def measured(self, model: "Model") -> typing.Tuple[typing.List[str], typing.List[float], typing.List[float]]:
         """Returns positions [m or rad] and velocities of the joints, in the order of the tag."""
         simulation = model.simulation
         places = [simulation.joint_names.index(name) for name in self.names if name in simulation.joint_names]
@@ -23,7 +28,8 @@ class JointStatePublisher(Device):
 
 
 @reads("libgazebo_ros_joint_state_publisher.so")
-def joint_state_publisher(plugin, _sensor, _link, namespace):
+def joint_state_publisher(plugin: ElementTree.Element, _sensor: typing.Optional[ElementTree.Element], _link: str,
+                          namespace: str) -> JointStatePublisher:
     """Reads the tag. A rate of 0 is every step."""
     names = tuple(filter(None, (name.strip() for name in text(plugin, "jointName").split(","))))
     return JointStatePublisher(names, named(namespace, "joint_states"), number(plugin, "updateRate", 100.0))

@@ -1,5 +1,6 @@
 """libgazebo_ros_link_attacher.so: holds links of two models to each other when a service asks for it."""
 import dataclasses
+import xml.etree.ElementTree as ElementTree
 
 from ..devices import Device, reads_of_world
 
@@ -12,6 +13,6 @@ class LinkAttacher(Device):
 
 
 @reads_of_world("libgazebo_ros_link_attacher.so")
-def link_attacher(_plugin):
+def link_attacher(_plugin: ElementTree.Element) -> LinkAttacher:
     """Reads the tag, which has no keys."""
     return LinkAttacher()

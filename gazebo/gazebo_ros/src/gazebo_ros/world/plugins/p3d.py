@@ -1,10 +1,15 @@
 """libgazebo_ros_p3d.so: the true pose and twist of a link. The rules are those of gazebo_ros_p3d.cpp."""
 import dataclasses
+import typing
+import xml.etree.ElementTree as ElementTree
 
 import numpy
 
 from ..devices import Device, named, number, reads, text
 from ..poses import matrix_of_rpy
+
+if typing.TYPE_CHECKING:
+    from ..model import Model
 
 WORLD = ("/world", "world", "/map", "map")  #: names of the frame that is none of the model
 
@@ -19,10 +24,10 @@ class Pose3d(Device):
     noise: float              #: standard deviation of the twist [m/s, rad/s]
     offset: numpy.ndarray     #: (4, 4): its position is added, its rotation comes before that of the link
 
-    def links(self):
+    def links(self) -> typing.Tuple[str, ...]:
         return (self.link,)
 
-    def measured(self, model):
+    def measured(self, model: "Model") -> typing.Tuple[numpy.ndarray, numpy.ndarray]:
         """Returns the pose (4, 4) and the twist (6,), [v; w] in the axes of the world or, as the plugin has it, turned
         by those of the frame's link."""
         pose, twist = model.link_pose(self.link).copy(), model.link_twist(self.link)
@@ -37,7 +42,7 @@ class Pose3d(Device):
         return pose, twist
 
 
-def triple(plugin, *keys):
+def triple(plugin: ElementTree.Element, *keys: str) -> typing.Tuple[float, ...]:
     """Three numbers of the first of these keys that is there, else zeros. Raises: ValueError."""
     words = next((text(plugin, key) for key in keys if text(plugin, key)), "0 0 0").split()
     if len(words) != 3:
@@ -46,7 +51,8 @@ def triple(plugin, *keys):
 
 
 @reads("libgazebo_ros_p3d.so")
-def pose_3d(plugin, _sensor, _link, namespace):
+def pose_3d(plugin: ElementTree.Element, _sensor: typing.Optional[ElementTree.Element], _link: str,
+            namespace: str) -> Pose3d:
     """Reads the tag."""
     return Pose3d(link=text(plugin, "bodyName"), topic=named(namespace, text(plugin, "topicName", "odom")),
                   frame=text(plugin, "frameName", "world"), rate_hz=number(plugin, "updateRate", 0.0),

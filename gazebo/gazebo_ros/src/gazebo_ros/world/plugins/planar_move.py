@@ -1,10 +1,15 @@
 """libgazebo_ros_planar_move.so: a model that slides over the ground with a commanded twist."""
 import dataclasses
 import math
+import typing
+import xml.etree.ElementTree as ElementTree
 
 import numpy
 
 from ..devices import Device, named, number, reads, text
+
+if typing.TYPE_CHECKING:
+    from ..model import Model
 
 
 @dataclasses.dataclass(frozen=True)
@@ -17,7 +22,7 @@ class PlanarMove(Device):
     odometry_rate_hz: float
     rate_hz: float = 500.0    #: of new velocities: Gazebo sets them at every step, friction slows the base in between
 
-    def move(self, model, forward_m_s, left_m_s, turn_rad_s):
+    def move(self, model: "Model", forward_m_s: float, left_m_s: float, turn_rad_s: float) -> None:
         """Gives the base this twist in its own axes; that along z, and about x and y, stays what it is. Raises:
         ArasError: the model is fixed and has joints."""
         pose, twist = model.pose(), model.twist()
@@ -29,7 +34,8 @@ class PlanarMove(Device):
 
 
 @reads("libgazebo_ros_planar_move.so")
-def planar_move(plugin, _sensor, _link, namespace):
+def planar_move(plugin: ElementTree.Element, _sensor: typing.Optional[ElementTree.Element], _link: str,
+                namespace: str) -> PlanarMove:
     """Reads the tag."""
     return PlanarMove(named(namespace, text(plugin, "commandTopic", "cmd_vel")),
                       named(namespace, text(plugin, "odometryTopic", "odom")), text(plugin, "odometryFrame", "odom"),

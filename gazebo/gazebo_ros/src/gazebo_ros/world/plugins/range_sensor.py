@@ -1,5 +1,9 @@
 """libgazebo_ros_range.so: the shortest of the rays of a sensor, as an ultrasonic or infrared sensor has it."""
 import dataclasses
+import typing
+
+import numpy
+import xml.etree.ElementTree as ElementTree
 
 from ..devices import Laser, laser, named, number, reads, text
 
@@ -11,13 +15,14 @@ class RangeSensor(Laser):
     field_of_view_rad: float
 
     @staticmethod
-    def nearest(ranges, farthest_m):
+    def nearest(ranges: numpy.ndarray, farthest_m: float) -> float:
         """Returns the shortest of these distances [m]; where nothing is met, the farthest."""
         return float(min(ranges.min(initial=farthest_m), farthest_m))
 
 
 @reads("libgazebo_ros_range.so")
-def range_sensor(plugin, sensor, link, namespace):
+def range_sensor(plugin: ElementTree.Element, sensor: typing.Optional[ElementTree.Element], link: str,
+                 namespace: str) -> RangeSensor:
     """Reads the tag."""
     rays = laser(plugin, sensor, link, namespace)
     rate_hz = number(plugin, "updateRate", 0.0)

@@ -2,10 +2,15 @@
 Hector's quadrotor. Formulas and keys of the motor are those of gazebo_motor_model.cpp of rotors_gazebo_plugins."""
 import dataclasses
 import math
+import typing
+import xml.etree.ElementTree as ElementTree
 
 import numpy
 
 from ..devices import Device, joined, named, number, reads, text
+
+if typing.TYPE_CHECKING:
+    from ..model import Model
 
 
 @dataclasses.dataclass(frozen=True)
@@ -28,22 +33,22 @@ class RotorMotor(Device):
     rate_hz: float = 250.0    #: of new forces
     torque_n_m: float = 1.0   #: of the motor that turns the joint
 
-    def joints(self):
+    def joints(self) -> typing.Tuple[str, ...]:
         return (self.joint,)
 
-    def links(self):
+    def links(self) -> typing.Tuple[str, ...]:
         return (self.link,)
 
-    def motors(self):
+    def motors(self) -> typing.Tuple[str, ...]:
         return (self.joint,)
 
-    def speed(self, before_rad_s, wanted_rad_s, dt_s):
+    def speed(self, before_rad_s: float, wanted_rad_s: float, dt_s: float) -> float:
         """Returns the rotor's speed after a time, a filter of first order towards the command [rad/s]."""
         wanted = min(max(wanted_rad_s, 0.0), self.fastest_rad_s)
         delay = self.up_s if wanted > before_rad_s else self.down_s
         return wanted + (before_rad_s - wanted) * math.exp(-dt_s / delay) if delay > 0.0 else wanted
 
-    def wrench(self, model, speed_rad_s):
+    def wrench(self, model: "Model", speed_rad_s: float) -> numpy.ndarray:
         """Returns (6,), [f; tau] of a speed in world axes at the rotor's centre of mass [N; N m]."""
         axes, velocity = model.link_pose(self.link)[:3, :3], model.link_twist(self.link)[:3]
         thrust = self.thrust_n_s2 * speed_rad_s ** 2
@@ -54,7 +59,8 @@ class RotorMotor(Device):
 
 
 @reads("librotors_gazebo_motor_model.so")
-def rotor_motor(plugin, _sensor, _link, namespace):
+def rotor_motor(plugin: ElementTree.Element, _sensor: typing.Optional[ElementTree.Element], _link: str,
+                namespace: str) -> RotorMotor:
     """Reads the tag."""
     command = text(plugin, "commandSubTopic", "gazebo/command/motor_speed")
     return RotorMotor(
@@ -77,12 +83,13 @@ class RotorsOdometry(Device):
     child_frame: str
     rate_hz: float
 
-    def links(self):
+    def links(self) -> typing.Tuple[str, ...]:
         return (self.link,)
 
 
 @reads("librotors_gazebo_odometry_plugin.so")
-def rotors_odometry(plugin, _sensor, _link, namespace):
+def rotors_odometry(plugin: ElementTree.Element, _sensor: typing.Optional[ElementTree.Element], _link: str,
+                    namespace: str) -> RotorsOdometry:
     """Reads the tag; noise, delay and the transforms are left out."""
     link = text(plugin, "linkName")
     return RotorsOdometry(link, named(namespace, text(plugin, "odometryTopic", "odometry")),
@@ -97,7 +104,7 @@ class VelocityFlight(Device):
     rate_hz: float = 100.0
     delay_s: float = 0.1      #: time constant with which the velocity follows
 
-    def fly(self, model, linear_m_s, turn_rad_s, dt_s):
+    def fly(self, model: "Model", linear_m_s: numpy.ndarray, turn_rad_s: float, dt_s: float) -> None:
         """Moves the body on: it holds its weight, stays level, and its velocity nears what is wanted. Raises:
         ArasError: the model is fixed and has joints."""
         for link in model.links:
@@ -115,6 +122,7 @@ class VelocityFlight(Device):
 
 
 @reads("libhector_gazebo_quadrotor_simple_controller.so", "libhector_quadrotor_simple_controller.so")
-def velocity_flight(plugin, _sensor, _link, namespace):
+def velocity_flight(plugin: ElementTree.Element, _sensor: typing.Optional[ElementTree.Element], _link: str,
+                    namespace: str) -> VelocityFlight:
     """Reads the tag; gains and limits of the attitude are left out."""
     return VelocityFlight(named(namespace, text(plugin, "topicName", "cmd_vel")))

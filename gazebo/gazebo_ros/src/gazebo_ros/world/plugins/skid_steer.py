@@ -1,5 +1,7 @@
 """libgazebo_ros_skid_steer_drive.so: four wheels, those of a side turn as one."""
 import dataclasses
+import typing
+import xml.etree.ElementTree as ElementTree
 
 from ..devices import Device, flag, named, number, reads, text
 
@@ -19,13 +21,13 @@ class SkidSteer(Device):
     publishes_tf: bool
     variances: tuple          #: of x, y and yaw
 
-    def joints(self):
+    def joints(self) -> typing.Tuple[str, ...]:
         return self.wheels
 
-    def motors(self):
+    def motors(self) -> typing.Tuple[str, ...]:
         return self.wheels
 
-    def speeds(self, forward_m_s, turn_rad_s):
+    def speeds(self, forward_m_s: float, turn_rad_s: float) -> typing.Tuple[float, float, float, float]:
         """Returns the speeds of the wheels for a twist of the base [rad/s], in the order of `wheels`."""
         left, right = (2.0 * (forward_m_s + side * 0.5 * turn_rad_s * self.separation_m) / self.diameter_m
                        for side in (-1.0, 1.0))
@@ -33,7 +35,8 @@ class SkidSteer(Device):
 
 
 @reads("libgazebo_ros_skid_steer_drive.so")
-def skid_steer(plugin, _sensor, _link, namespace):
+def skid_steer(plugin: ElementTree.Element, _sensor: typing.Optional[ElementTree.Element], _link: str,
+               namespace: str) -> SkidSteer:
     """Reads the tag."""
     wheels = tuple(text(plugin, key + "Joint", default + "_joint") for key, default in (
         ("leftFront", "left_front"), ("rightFront", "right_front"), ("leftRear", "left_rear"),

@@ -4,12 +4,18 @@ As in gazebo_ros_vacuum_gripper.cpp, a link of another model is near when its or
 gripper's. Gazebo pulls it with a force and gives it the gripper's velocity at each step; here the two links become one
 body until the gripper is off."""
 import dataclasses
+import typing
+import xml.etree.ElementTree as ElementTree
 
 import numpy
 
 from aras_visual_servo_sim import ArasError
 
 from ..devices import Device, named, number, reads, text
+
+if typing.TYPE_CHECKING:
+    from ..model import Model
+    from ..world import World
 
 
 @dataclasses.dataclass(frozen=True)
@@ -21,18 +27,18 @@ class VacuumGripper(Device):
     max_distance_m: float
     rate_hz: float = 100.0
 
-    def links(self):
+    def links(self) -> typing.Tuple[str, ...]:
         return (self.link,)
 
 
 class Suction:
     """What a vacuum gripper does. Attributes: on: whether it sucks.  held: scoped names of the links that it holds."""
 
-    def __init__(self, device, world, model):
+    def __init__(self, device: VacuumGripper, world: "World", model: "Model") -> None:
         self.on, self.held = False, []
         self._device, self._world, self._model = device, world, model
 
-    def switch(self, on):
+    def switch(self, on: bool) -> None:
         """Begins to suck, or lets everything go."""
         self.on = on
         if not on:
@@ -40,7 +46,7 @@ class Suction:
                 self._world.detach("%s::%s" % (self._model.name, self._device.link), link)
             self.held = []
 
-    def update(self):
+    def update(self) -> bool:
         """Holds what is near now. Returns whether it holds anything."""
         own = "%s::%s" % (self._model.name, self._device.link)
         self.held = [link for link in self.held if self._world.is_attached(own, link)]
@@ -56,7 +62,7 @@ class Suction:
                         self._hold(own, scoped)
         return bool(self.held)
 
-    def _hold(self, own, link):
+    def _hold(self, own: str, link: str) -> None:
         try:
             self._world.attach(own, link)
         except ArasError:
@@ -65,7 +71,8 @@ class Suction:
 
 
 @reads("libgazebo_ros_vacuum_gripper.so")
-def vacuum_gripper(plugin, _sensor, _link, namespace):
+def vacuum_gripper(plugin: ElementTree.Element, _sensor: typing.Optional[ElementTree.Element], _link: str,
+                   namespace: str) -> VacuumGripper:
     """Reads the tag. maxForce and minDistance of the pull have no effect."""
     return VacuumGripper(text(plugin, "bodyName"), named(namespace, text(plugin, "topicName", "grasping")),
                          (named(namespace, "on"), named(namespace, "off")), number(plugin, "maxDistance", 0.05))

@@ -29,6 +29,18 @@ Rgba colorOf(const UrdfSource& source, const XMLElement& element) {
   return color;
 }
 
+/** @throws ModelError for anything but six finite numbers */
+TextureTransform textureTransformOf(const UrdfSource& source, const XMLElement& element) {
+  TextureTransform A;
+  std::istringstream text(textOf(&element));
+  for (int i = 0; i < 6; ++i) text >> A(i / 3, i % 3);
+  std::string rest;
+  if (!text || !A.allFinite() || text >> rest) {
+    source.fail(element, "value is '" + textOf(&element) + "', must be six finite numbers");
+  }
+  return A;
+}
+
 /** What a <material> says. Its named material comes first, its colours replace those of it. */
 void paintAs(const UrdfSource& source, const XMLElement& element, Visual& visual) {
   for (const XMLElement* child = element.FirstChildElement("script"); child;
@@ -54,8 +66,12 @@ void paintAs(const UrdfSource& source, const XMLElement& element, Visual& visual
   if (ambient) visual.finish.ambient = colorOf(source, *ambient);
   if (const XMLElement* specular = given("specular")) visual.finish.specular = colorOf(source, *specular);
   if (const XMLElement* emissive = given("emissive")) visual.finish.emissive = colorOf(source, *emissive);
+  if (const XMLElement* transform = given("texture_transform")) {
+    visual.texture_transform = textureTransformOf(source, *transform);
+  }
   visual.finish.unlit = !childFlag(source, &element, "lighting", true);
-  warnOfOthers(source, &element, {"script", "diffuse", "ambient", "specular", "emissive", "lighting"});
+  warnOfOthers(source, &element,
+               {"script", "diffuse", "ambient", "specular", "emissive", "lighting", "texture_transform"});
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
+#include "aras_visual_servo_sim/scene/mesh_loader.hpp"
 #include "aras_visual_servo_sim/scene/triangle_mesh.hpp"
 
 namespace aras_visual_servo_sim {
@@ -197,7 +198,8 @@ MeshPtr makeSphere(double radius_m, int segments) {
   return mesh;
 }
 
-MeshPtr withPicture(const TriangleMesh& mesh, const TexturePtr& texture) {
+MeshPtr withPicture(const TriangleMesh& mesh, const TexturePtr& texture,
+                    const std::optional<TextureTransform>& transform) {
   if (mesh.texture_coordinates.size() != mesh.points.size()) {
     throw ModelError("picture '" + texture->name() + "': its mesh has no texture coordinates");
   }
@@ -205,6 +207,11 @@ MeshPtr withPicture(const TriangleMesh& mesh, const TexturePtr& texture) {
   pictured->colors.clear();
   pictured->pictures = {{texture, Wrap::kRepeat, Wrap::kRepeat}};
   pictured->picture_of.assign(mesh.triangles.size(), 0);
+  if (transform) {
+    const Eigen::Matrix<float, 2, 3> A = transform->cast<float>();
+    for (Eigen::Vector2f& point : pictured->texture_coordinates) point = A * point.homogeneous();
+    pictured->round.reset();  // what is drawn from an equation has the coordinates of its kind
+  }
   return pictured;
 }
 

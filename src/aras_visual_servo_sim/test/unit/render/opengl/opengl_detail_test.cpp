@@ -71,16 +71,25 @@ TEST(OpenGlDetail, APictureSeenStraightOnTakesOneTapEverywhere) {
 }
 
 TEST(OpenGlDetail, ThreadsThatDrawAtOnceHaveALibraryEach) {
-  const auto mine = osmesaOfThread();
-  EXPECT_EQ(osmesaOfThread(), mine);
-  std::shared_ptr<const OsmesaLibrary> others;
-  std::thread([&] { others = osmesaOfThread(); }).join();
-  EXPECT_EQ(others->create != mine->create, std::thread::hardware_concurrency() > 1);
+  const auto mine = osmesaOfThread(/*wide=*/false);
+  EXPECT_EQ(osmesaOfThread(false), mine);
+  std::shared_ptr<OsmesaOfThread> others;
+  std::thread([&] { others = osmesaOfThread(false); }).join();
+  EXPECT_NE(others->library.create, mine->library.create);
   const auto* freed = others.get();
   others.reset();
-  std::shared_ptr<const OsmesaLibrary> next;
-  std::thread([&] { next = osmesaOfThread(); }).join();
-  EXPECT_EQ(next.get(), freed);
+  std::thread([&] { others = osmesaOfThread(false); }).join();
+  EXPECT_EQ(others.get(), freed);
+}
+
+TEST(OpenGlDetail, ManyThreadsDrawTheImageOfOne) {
+  OpenGlRenderer wide(OpenGlRenderer::Platform::kWideOsmesa);
+  const CameraModel camera = cameraOf(500, 400);
+  Image image;
+  wide.render(camera, kDown, colourfulScene(), image);
+  EXPECT_EQ(image.data, renderOpenGl(camera, kDown, colourfulScene()).data);
+  const int processors = static_cast<int>(std::thread::hardware_concurrency());
+  EXPECT_EQ(osmesaOfThread(true)->threads, processors > 1 ? processors : 0);
 }
 
 }  // namespace

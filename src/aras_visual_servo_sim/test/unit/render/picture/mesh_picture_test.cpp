@@ -337,6 +337,21 @@ TEST_F(MeshPicture, FadesToItsMeanTowardsTheHorizon) {
   }
 }
 
+TEST_F(MeshPicture, LiesAsItsTransformSays) {
+  const TexturePtr texture = loadTexture(path("blocks.png"));
+  TextureTransform twice;  // two pictures each way, one of them in the middle
+  twice << 2.0, 0.0, -0.5, 0.0, 2.0, -0.5;
+  for (const MeshPtr& mesh : {makeBox({0.3, 0.2, 0.1}), makeSphere(0.1)}) {
+    const MeshPtr plain = withPicture(*mesh, texture), more = withPicture(*mesh, texture, twice);
+    for (std::size_t i = 0; i < mesh->points.size(); ++i) {
+      const Eigen::Vector2f expected = 2.0f * plain->texture_coordinates[i] - Eigen::Vector2f::Constant(0.5f);
+      EXPECT_TRUE(more->texture_coordinates[i].isApprox(expected, 1e-6f)) << i;
+    }
+    EXPECT_FALSE(more->round) << "whose picture lies as its equation says";
+    EXPECT_EQ(plain->round.has_value(), mesh->round.has_value());
+  }
+}
+
 TEST_F(MeshPicture, OfAUrdfsMaterialNeedsTextureCoordinates) {
   TriangleMesh mesh;
   mesh.points.emplace_back(0.0f, 0.0f, 0.0f);
