@@ -142,14 +142,15 @@ void bindFrames(py::module_& module, WorldClass& type) {
            "mono16, else\n"
            "    uint8; a read-only view without a copy, its content valid until the next render of this camera.\n"
            "Raises:\n    UnknownNameError, RenderError.");
-  type.def("take_frames", &takeFrames, py::arg("wanted"),
-           "Takes frames that are due now and draws them: as step_to_image, render and render_depth of one camera after\n"
-           "another do, with the same run hash, but large images at the same time where there are processors.\n\n"
-           "Args:\n    wanted: list of (camera, whether its image, whether its depth is wanted).\n"
-           "Returns:\n    dict of camera -> (image as of render, depth as of render_depth), each None if it is not "
-           "wanted;\n"
-           "    in their place, str, why it could not be drawn.\n"
-           "Raises:\n    UnknownNameError, ParameterError: no frame of it is due; nothing is taken then.");
+  type.def(
+      "take_frames", &takeFrames, py::arg("wanted"),
+      "Takes frames that are due now and draws them: as step_to_image, render and render_depth of one camera after\n"
+      "another do, with the same run hash, but large images at the same time where there are processors.\n\n"
+      "Args:\n    wanted: list of (camera, whether its image, whether its depth is wanted).\n"
+      "Returns:\n    dict of camera -> (image as of render, depth as of render_depth), each None if it is not "
+      "wanted;\n"
+      "    in their place, str, why it could not be drawn.\n"
+      "Raises:\n    UnknownNameError, ParameterError: no frame of it is due; nothing is taken then.");
   type.def(
           "render_depth",
           [](World& self, const std::string& camera) {

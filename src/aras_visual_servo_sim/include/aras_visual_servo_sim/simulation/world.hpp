@@ -139,8 +139,8 @@ class World {
    *  at the tick at which a frame was taken, that frame.
    *  @return valid as long as the world; its content until the next render of this camera @throws RenderError */
   const Image& render(int camera);
-  /** Takes frames that are due and draws them: as takeFrame, render and renderGeometry of one after another do, and with
-   *  the same run hash, but large images at the same time where there are processors.
+  /** Takes frames that are due and draws them: as takeFrame, render and renderGeometry of one after another do, and
+   * with the same run hash, but large images at the same time where there are processors.
    *  @throws ParameterError if one is not due; nothing is taken then */
   void takeFrames(std::vector<FrameWanted>& frames);
   /** What drew images by OpenGL so far, and its version; empty if nothing did. Run hashes hold for one of these. */

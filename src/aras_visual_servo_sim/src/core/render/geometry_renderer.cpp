@@ -20,8 +20,8 @@ constexpr double kSamePlane = 1e-9;
 
 /** Pixels side by side, without a lens, that see one plane: what is nearest so far, and whose it is. */
 struct Run {
-  const double* x;       ///< of the pixels' rays (x, y, 1)
-  double* nearness;      ///< 1 / Z
+  const double* x;   ///< of the pixels' rays (x, y, 1)
+  double* nearness;  ///< 1 / Z
   std::uint16_t* ids;
   int count;
 };
@@ -187,7 +187,7 @@ class GeometryRenderer::Implementation {
     }
   }
 
-  static constexpr int kFew = 8;             // pixels of a row: looked at one after another
+  static constexpr int kFew = 8;           // pixels of a row: looked at one after another
   static constexpr double kBeside = 0.01;  // [px] far more than what isInside takes for rounding
 
   /** Narrows a row of pixels to those between the edges of a triangle, and at most two beside each. */

@@ -48,7 +48,9 @@ void GeometryPublisher::send(const Output& output, const GeometryImage& image, c
   recording_.write(*output.tap, message);
 }
 
-bool GeometryPublisher::wanted(int camera) const { return cameras_[camera].depth.wanted() || cameras_[camera].ids.wanted(); }
+bool GeometryPublisher::wanted(int camera) const {
+  return cameras_[camera].depth.wanted() || cameras_[camera].ids.wanted();
+}
 
 void GeometryPublisher::publish(int camera, const ros::Time& stamp) {
   const CameraOutput& output = cameras_[camera];

@@ -26,7 +26,8 @@ class CameraViews {
   /** Reads what was drawn. @param image  as many pixels as the camera has, r, g, b, a: 8 bits each, or 16 if fine */
   template <typename Pixel>
   void read(std::vector<Pixel>& image);
-  /** The pixels of a picture, to be read one by one before compose(). @param image  of which they are, if it has them */
+  /** The pixels of a picture, to be read one by one before compose(). @param image  of which they are, if it has them
+   */
   template <typename Pixel>
   std::vector<Pixel>& picture(std::size_t k, std::vector<Pixel>& image);
   /** Makes the image of its pictures. @param image  that picture() had */

@@ -362,7 +362,7 @@ class OpenGlRenderer::Implementation {
 };
 
 OpenGlRenderer::OpenGlRenderer(Platform platform)
-    : OpenGlRenderer(platform == Platform::kEgl       ? &makeEglContext
+    : OpenGlRenderer(platform == Platform::kEgl      ? &makeEglContext
                      : platform == Platform::kOsmesa ? &makeOsmesaContext
                                                      : &makeWideOsmesaContext) {}
 

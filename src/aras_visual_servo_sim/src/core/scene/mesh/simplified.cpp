@@ -40,8 +40,8 @@ std::vector<std::uint32_t> placesOf(const TriangleMesh& mesh, double grain_m) {
   for (std::size_t i = 0; i < order.size(); ++i) {
     const Rgb color = mesh.colors.empty() ? Rgb{} : mesh.colors[i];
     const Eigen::Vector3d p = mesh.points[i].cast<double>() / grain_m;
-    at.push_back({std::llround(p.x()), std::llround(p.y()), std::llround(p.z()),
-                  color.r << 16 | color.g << 8 | color.b});
+    at.push_back(
+        {std::llround(p.x()), std::llround(p.y()), std::llround(p.z()), color.r << 16 | color.g << 8 | color.b});
   }
   std::stable_sort(order.begin(), order.end(), [&](std::uint32_t i, std::uint32_t k) { return at[i] < at[k]; });
   for (std::size_t k = 0; k < order.size(); ++k) {

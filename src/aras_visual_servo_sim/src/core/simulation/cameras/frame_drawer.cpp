@@ -32,7 +32,8 @@ std::string FrameDrawer::openGl() const {
   std::string found;
   for (const auto& renderer : opengl_) {
     const std::string drew_with = renderer ? renderer->drewWith() : "";
-    if (!drew_with.empty() && found.find(drew_with) == std::string::npos) found += (found.empty() ? "" : "; ") + drew_with;
+    if (!drew_with.empty() && found.find(drew_with) == std::string::npos)
+      found += (found.empty() ? "" : "; ") + drew_with;
   }
   return found;
 }

@@ -30,7 +30,8 @@ struct OsmesaOfThread {
 /** llvmpipe draws for one context at a time, so that threads which draw at once need a library each: the first has that
  *  of the file, the others have copies of it in memory. It also decides once in how many threads it draws: 0 for small
  *  images, which are drawn fastest in the calling thread, or as many as there are processors. LP_NUM_THREADS, where the
- *  user has set it, decides for all. Where there can be no copy, or none more, threads share one and wait for each other.
+ *  user has set it, decides for all. Where there can be no copy, or none more, threads share one and wait for each
+ * other.
  *  @param wide  for large images
  *  @throws RenderError as SharedLibrary */
 std::shared_ptr<OsmesaOfThread> osmesaOfThread(bool wide);

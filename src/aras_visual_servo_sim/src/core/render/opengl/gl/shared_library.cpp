@@ -49,8 +49,8 @@ SharedLibrary::SharedLibrary(std::string who, const std::vector<std::string>& na
     name_ = name;
     if (handle_) return;
   }
-  throw RenderError(who_ + ": " + names.front() + " cannot be opened (Debian's package " + package +
-                    "): " + dlerror() + "; renderer 'coverage' needs no library");
+  throw RenderError(who_ + ": " + names.front() + " cannot be opened (Debian's package " + package + "): " + dlerror() +
+                    "; renderer 'coverage' needs no library");
 }
 
 }  // namespace aras_visual_servo_sim

@@ -31,7 +31,7 @@ struct GlOutline {
 /** A mesh in the memory of OpenGL. */
 struct GlMesh {
   MeshPtr mesh;
-  MeshPtr drawn;  ///< another one that is drawn in its place; null: there is none
+  MeshPtr drawn;         ///< another one that is drawn in its place; null: there is none
   double error_m = 0.0;  ///< how far that one may be from where the mesh is
   GLuint array = 0, vertices = 0, indices = 0;
   GLsizei index_count = 0;

@@ -103,7 +103,7 @@ bool SolidPainter::isFilled(const Seen& seen, std::size_t backdrop, const PixelB
 }
 
 SolidPainter::Plan SolidPainter::planOf(std::size_t view) const {
-  constexpr double kWorthwhile = 0.7;   // of the pixels: beyond that, drawing the rest another way saves nothing
+  constexpr double kWorthwhile = 0.7;      // of the pixels: beyond that, drawing the rest another way saves nothing
   constexpr double kTrianglePixels = 4.0;  // a triangle drawn once more takes as long as so many pixels
   const Seen& seen = seen_[view];
   const PixelBox all{0, 0, seen.view->width, seen.view->height};

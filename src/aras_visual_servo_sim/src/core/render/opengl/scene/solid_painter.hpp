@@ -77,8 +77,8 @@ class SolidPainter {
   /** A program and where its uniforms are. */
   struct Program {
     std::unique_ptr<ShaderProgram> shader;
-    GLint projection, placed, shape_color, ambient, emissive, opacity, highlight, shininess, slack, far_plane, picture, bumps,
-        fog;
+    GLint projection, placed, shape_color, ambient, emissive, opacity, highlight, shininess, slack, far_plane, picture,
+        bumps, fog;
     struct OfLight {
       GLint place, axis, cone, fade, diffuse, bright, shadow_of, lift, reach, texel_of_map, map;
     };

@@ -54,7 +54,8 @@ std::string lightText(char letter, std::size_t k) {
   if (letter != kind) {
     const std::string map = "map" + std::to_string(k), texel = ", texel_of_map" + i;
     text += "      vec3 lifted = p_C + n * (lift" + i + (kind == 'd' ? "" : " * d") +
-            " * sqrt(max(0.0, 1.0 - slope * slope)) + slack);\n      vec4 at = shadow_of" + i + " * vec4(lifted, 1.0);\n";
+            " * sqrt(max(0.0, 1.0 - slope * slope)) + slack);\n      vec4 at = shadow_of" + i +
+            " * vec4(lifted, 1.0);\n";
     text += kind == 'p'   ? "      left *= shadow_around(" + map + ", at.xyz, reach" + i + texel + ");\n"
             : kind == 'd' ? "      left *= shadow(" + map + ", at.xyz" + texel + ");\n"
                           : "      left *= shadow(" + map + ", at.xyz / at.w" + texel + ");\n";
