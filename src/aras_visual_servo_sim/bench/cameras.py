@@ -33,7 +33,8 @@ LINKS, RINGS, SIDES = 7, 60, 100
 def write_png(path, size, pixel):
     """An RGB picture of size x size, pixel(u, v) -> three bytes."""
     rows = b"".join(b"\0" + b"".join(pixel(u, v) for u in range(size)) for v in range(size))
-    chunks = ((b"IHDR", struct.pack(">IIBBBBB", size, size, 8, 2, 0, 0, 0)), (b"IDAT", zlib.compress(rows)), (b"IEND", b""))
+    header = struct.pack(">IIBBBBB", size, size, 8, 2, 0, 0, 0)
+    chunks = ((b"IHDR", header), (b"IDAT", zlib.compress(rows)), (b"IEND", b""))
     with open(path, "wb") as file:
         file.write(b"\x89PNG\r\n\x1a\n")
         for kind, data in chunks:
@@ -77,9 +78,9 @@ def meshed_arm(path):
         '<joint name="stand" type="fixed"><parent link="world"/><child link="eye"/><origin xyz="1.6 0 1.4" '
         'rpy="-2.2 0 1.5707963"/></joint>']
     for k in range(LINKS):
-        links.append('<link name="l%d"><inertial><mass value="1"/><inertia ixx=".01" iyy=".01" izz=".01" ixy="0" ixz="0" '
-                     'iyz="0"/></inertial><visual><geometry><mesh filename="file://%s"/></geometry></visual></link>'
-                     % (k, path))
+        links.append('<link name="l%d"><inertial><mass value="1"/><inertia ixx=".01" iyy=".01" izz=".01" ixy="0" '
+                     'ixz="0" iyz="0"/></inertial><visual><geometry><mesh filename="file://%s"/></geometry></visual>'
+                     '</link>' % (k, path))
         joints.append('<joint name="q%d" type="revolute"><parent link="%s"/><child link="l%d"/><origin xyz="0 0 %g"/>'
                       '<axis xyz="0 1 0"/><limit lower="-3" upper="3" effort="100" velocity="3"/></joint>'
                       % (k, "l%d" % (k - 1) if k else "world", k, 0.3 if k else 0.0))
@@ -138,8 +139,8 @@ def frames_per_s(simulation, joints, seconds, depth):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("scene", choices=["flat", "textured", "textured_samples", "boxes", "shadows", "everything", "arm",
-                                          "arm_everything", "meshes"])
+    parser.add_argument("scene", choices=["flat", "textured", "textured_samples", "boxes", "shadows", "everything",
+                                          "arm", "arm_everything", "meshes"])
     parser.add_argument("--size", default="320x240")
     parser.add_argument("--depth", action="store_true", help="colour and depth")
     parser.add_argument("--seconds", type=float, default=2.0)

@@ -59,8 +59,9 @@ class Cameras(Outlet):
 
     def due(self, now_ns: int) -> typing.List[typing.Tuple[str, bool, bool]]:
         """What World.take_frames is to draw of the cameras whose images are due now."""
-        self._due = {name: {kind: publisher for kind, publisher in publishers.items() if publisher.get_num_connections()}
-                     for name, publishers in self._topics.items() if self._due_ns(name) == now_ns}
+        due = {name: publishers for name, publishers in self._topics.items() if self._due_ns(name) == now_ns}
+        self._due = {name: {kind: each for kind, each in publishers.items() if each.get_num_connections()}
+                     for name, publishers in due.items()}
         return [(self._full(name), self._image_is_wanted(name, wanted), bool({"depth", "points"} & set(wanted)))
                 for name, wanted in self._due.items()]
 
