@@ -39,6 +39,7 @@ void TriangleList::begin(const CameraModel& camera, const ViewVolume& volume, bo
   vertices_.clear();
   bodies_.clear();
   facets_.clear();
+  planes_.clear();
   facet_of_.clear();
   spans_.clear();
   extents_.clear();
@@ -96,6 +97,10 @@ void TriangleList::addShape(const Shape& shape, const Pose& X_CS, const Eigen::V
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (!drawn_[t]) continue;
     const auto& [i, j, k] = mesh.triangles[t];
+    if (!hasFacets()) {
+      addPlane({points_[i], points_[j], points_[k]});
+      continue;
+    }
     if (lit_) {
       facet.rgb = {colors_[i], colors_[j], colors_[k]};
       facet.one_color = colors_[i] == colors_[j] && colors_[i] == colors_[k];
@@ -173,6 +178,16 @@ void TriangleList::addTriangle(const Points& points_C, const Seams& seams, const
   }
   if (!isFlat()) extents_.push_back(extent_);
   facet_of_.insert(facet_of_.end(), count, static_cast<std::uint32_t>(facets_.size() - 1));
+}
+
+/** Adds a triangle of which nobody wants to know more than where it is. */
+void TriangleList::addPlane(const Points& points_C) {
+  const Eigen::Vector3d normal = (points_C[1] - points_C[0]).cross(points_C[2] - points_C[0]);
+  const double offset = normal.dot(points_C[0]);
+  constexpr double kLeast = 1e-100;  // its inverse, and products with it, stay finite
+  if (!(std::abs(offset) > kLeast)) return;
+  static const Facet plain;
+  planes_.insert(planes_.end(), addSeen(points_C, plain), normal / offset);
 }
 
 /** Adds the vertices or spans of a triangle as it is seen in cells_. @return number of triangles */

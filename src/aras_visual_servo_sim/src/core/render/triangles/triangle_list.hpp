@@ -17,7 +17,7 @@ namespace aras_visual_servo_sim {
  *  known of its place in the image are the tiles it may touch. */
 class TriangleList {
  public:
-  /** @param lit  whether the triangles get their colours */
+  /** @param lit  whether the triangles get their colours; else, without a lens, they have a plane() and no facet() */
   void begin(const CameraModel& camera, const ViewVolume& volume, bool lit = true);
   /** Adds what is in view of the bodies, round shapes left out: CurvedList has them. @return false if nothing is */
   bool addBodies(const Scene& scene, const Pose& X_CW);
@@ -26,7 +26,7 @@ class TriangleList {
 
   /** For each body in view: where its triangles end, and its index in the scene. */
   const std::vector<std::pair<std::size_t, std::size_t>>& bodies() const { return bodies_; }
-  std::size_t size() const { return facet_of_.size(); }
+  std::size_t size() const { return hasFacets() ? facet_of_.size() : planes_.size(); }
   /** Whether triangles are known by vertices(), else by spans(). */
   bool isFlat() const { return camera_->lens() == CameraModel::Lens::kNone; }
   /** Three for each triangle, oriented either way. */
@@ -42,7 +42,7 @@ class TriangleList {
   /** What triangle k is a part of. */
   const Facet& facet(std::size_t k) const { return facets_[facet_of_[k]]; }
   /** Plane of triangle k in the camera's frame: plane . ray = 1 / Z for the point on a ray (x, y, 1). */
-  const Eigen::Vector3d& plane(std::size_t k) const { return facet(k).plane; }
+  const Eigen::Vector3d& plane(std::size_t k) const { return hasFacets() ? facet(k).plane : planes_[k]; }
 
  private:
   /** Corner on its way through lens and cutting: normalised coordinates in the frame of its cell, and pixel. */
@@ -53,7 +53,9 @@ class TriangleList {
   using Points = std::array<Eigen::Vector3d, 3>;
   using Seams = std::array<bool, 3>;  // of the edges from corner k to k + 1: see Vertex
 
+  bool hasFacets() const { return lit_ || !isFlat(); }
   void addShape(const Shape& shape, const Pose& X_CS, const Eigen::Vector3d& light_C);
+  void addPlane(const Points& points_C);
   bool isSeen(const Points& points_C, const ViewCell& cell, bool inside) const;
   /** Projects a triangle as it is seen in cells_. @param of  the facet that it is, its place yet to be set */
   void addTriangle(const Points& points_C, const Seams& seams, const Facet& of);
@@ -73,6 +75,7 @@ class TriangleList {
   std::vector<Vertex> vertices_;
   std::vector<std::pair<std::size_t, std::size_t>> bodies_;
   std::vector<Facet> facets_;
+  std::vector<Eigen::Vector3d> planes_;  // of the triangles that have no facets
   std::uint32_t surfaces_ = 0;
   std::vector<std::uint32_t> facet_of_;
   std::vector<Eigen::Vector3d> points_, polygon_;  // scratch

@@ -121,7 +121,7 @@ int sidesOf(double radius_m, double px_per_m) {
 
 /** How far a mesh may be simplified where this many pixels are a metre: by 2^level of its size, 0: not at all. */
 int levelOf(const TriangleMesh& mesh, double px_per_m) {
-  constexpr double kError_px = 0.2;
+  constexpr double kError_px = 0.4;
   constexpr std::size_t kHeavy = 500;  // triangles: fewer are drawn as they are
   constexpr int kFinest = -16;
   if (mesh.triangles.size() < kHeavy || !mesh.pictures.empty()) return 0;
