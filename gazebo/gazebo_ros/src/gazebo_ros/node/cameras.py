@@ -1,4 +1,5 @@
 """Images, depth and points of the cameras of one model, under the names that their tags give."""
+import os
 import typing
 
 import numpy
@@ -10,6 +11,9 @@ from aras_visual_servo_sim import ArasError
 
 from .convert import stamped
 from .outlet import NEVER_NS, Outlet
+
+#: Pixels of an image that several threads draw faster than one. Smaller ones are then drawn in as many, too.
+LARGE_PX = 150000
 
 
 def image_message(header: Header, image: numpy.ndarray, encoding: str) -> Image:
@@ -36,6 +40,9 @@ class Cameras(Outlet):
         for name, topics in self.model.description.cameras.items():
             if self._full(name) not in self.world.core.camera_names:
                 continue
+            info = self.world.core.camera_info(self._full(name))
+            if info["width"] * info["height"] >= LARGE_PX:  # Mesa reads it once, when the first image is drawn
+                os.environ.setdefault("LP_NUM_THREADS", str(len(os.sched_getaffinity(0))))
             depth = topics.depth
             self._topics[name] = {
                 kind: self.advertise(topic, message, queue_size=4)

@@ -19,10 +19,7 @@ FrameDrawer::FrameDrawer() : coverage_(std::make_unique<CoverageRenderer>()) {}
 
 OpenGlRenderer& FrameDrawer::openGlFor(const CameraModel& camera) {
   using Platform = OpenGlRenderer::Platform;
-  const bool large = camera.width() * camera.height() >= kLarge_px;
-  const Platform platform = camera.config().gl == "egl" ? Platform::kEgl
-                            : large                     ? Platform::kWideOsmesa
-                                                        : Platform::kOsmesa;
+  const Platform platform = camera.config().gl == "egl" ? Platform::kEgl : Platform::kOsmesa;
   std::shared_ptr<OpenGlRenderer>& renderer = opengl_[static_cast<std::size_t>(platform)];
   if (!renderer) renderer = OpenGlRenderer::shared(platform);
   return *renderer;
