@@ -329,67 +329,6 @@ std::int64_t World::stepToImage(const std::string& camera) {
 
 // --- cameras --------------------------------------------------------------------------------------------------------
 
-/** Poses of everything that this camera can see now. */
-Moment World::present(const Camera& camera) {
-  models_.move(timeNs());
-  models_.follow(link_poses_);
-  return momentOf(ticks(), camera.pose(robotOf(robots_, camera.robot()).body()), scene());
-}
-
-void World::expose() {
-  if (!cameras_.anyLate()) return;
-  for (Camera& camera : cameras_) {
-    if (!camera.late() || camera.nextExposureTick() != ticks()) continue;
-    hashRobots();
-    camera.expose(present(camera), robotOf(robots_, camera.robot()).body());
-  }
-}
-
-void World::requireDue(int camera) const {
-  if (cameras_[camera].frameDue(ticks())) return;
-  throw ParameterError("camera '" + cameras_.names()[camera] + "': no frame is due at tick " + std::to_string(ticks()));
-}
-
-std::int64_t World::takeFrame(int index) {
-  Camera& camera = cameras_[index];
-  requireDue(index);
-  expose();  // before anything of this tick is taken
-  if (camera.late()) return clock_.ns(camera.takeDelivered());
-  hashRobots();
-  camera.takeFrame();
-  return timeNs();
-}
-
-const Image& World::render(int index) {
-  Camera& camera = cameras_[index];
-  models_.follow(link_poses_);
-  const Image& image = drawer_.draw(camera, ticks(), cameraPose(index), models_.scene());
-  if (camera.imageIsOfNewFrame()) run_hash_.add(image.data.data(), image.data.size());
-  return image;
-}
-
-const GeometryImage& World::renderGeometry(int index, Distance distance) {
-  models_.follow(link_poses_);
-  return drawer_.drawGeometry(cameras_[index], cameraPose(index), scene(), distance);
-}
-
-const Scene& World::shownScene(int camera) const {
-  const ExposedFrame* late = cameras_[camera].takenFrame();
-  return late && late->models ? late->models->scene : scene();
-}
-
-FrameState World::frameState(int index) const {
-  const Camera& camera = cameras_[index];
-  if (const ExposedFrame* late = camera.takenFrame()) {
-    const ModelSet& set = late->models ? *late->models : models_.set();
-    return {clock_.ns(late->tick()), late->q,      late->v,
-            late->present.X_WC,      late->V_WC_C, modelPoses(late->present, set)};
-  }
-  const MultibodyWorld& body = bodyOf(index);
-  return {timeNs(),          body.jointPositions(), body.jointVelocities(),
-          cameraPose(index), cameraTwist(index),    models_.set().poses()};
-}
-
 void World::setCameras(const std::vector<CameraConfig>& cameras, const Robot& robot) {
   cameras_.become(cameras_.with(cameras, robot.model(), config_.seed, periodNs()), ticks());
   tellUndrawn();
