@@ -14,12 +14,16 @@
 namespace aras_visual_servo_sim {
 namespace {
 
+/** Along the normal of a triangle, as long as twice its area. */
+Eigen::Vector3f crossOf(const TriangleMesh& mesh, const std::uint32_t* t) {
+  return (mesh.points[t[1]] - mesh.points[t[0]]).cross(mesh.points[t[2]] - mesh.points[t[0]]);
+}
+
 /** Gives each triangle points of its own, with its own normal. */
 void facet(const TriangleMesh& mesh, const std::vector<std::uint32_t>& indices, TriangleMesh& made) {
   for (std::size_t k = 0; k < indices.size(); k += 3) {
     const std::uint32_t* t = indices.data() + k;
-    const Eigen::Vector3f &a = mesh.points[t[0]], &b = mesh.points[t[1]], &c = mesh.points[t[2]];
-    const Eigen::Vector3f normal = (b - a).cross(c - a).normalized();
+    const Eigen::Vector3f normal = crossOf(mesh, t).normalized();
     if (normal.isZero()) continue;
     const auto first = static_cast<std::uint32_t>(made.points.size());
     for (int corner = 0; corner < 3; ++corner) {
@@ -71,8 +75,7 @@ class Dresser {
    *  rounded edge, would bend the light over all of a flat face that has few triangles left.
    *  @param narrow  the triangle may look anywhere: of the points those that others have are preferred */
   void add(const std::uint32_t* t, bool narrow) {
-    const Eigen::Vector3f &a = mesh_.points[t[0]], &b = mesh_.points[t[1]], &c = mesh_.points[t[2]];
-    const Eigen::Vector3f normal = (b - a).cross(c - a);
+    const Eigen::Vector3f normal = crossOf(mesh_, t);
     std::array<std::uint32_t, 3> corners;
     for (int k = 0; k < 3; ++k) corners[k] = cornerOf(t[k], normal, narrow);
     made_.triangles.push_back(corners);
@@ -120,7 +123,7 @@ void dress(const TriangleMesh& mesh, const std::vector<std::uint32_t>& indices, 
   const auto isNarrow = [&](const std::uint32_t* t) {
     const Eigen::Vector3f &a = mesh.points[t[0]], &b = mesh.points[t[1]], &c = mesh.points[t[2]];
     const float longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
-    return (b - a).cross(c - a).norm() < width_m * longest;
+    return crossOf(mesh, t).norm() < width_m * longest;
   };
   Dresser dresser(mesh, place, made);
   for (const bool narrow : {false, true}) {

@@ -65,7 +65,7 @@ std::vector<SolidPainter::Sight> SolidPainter::sightsOf(const std::vector<Item>&
   const Eigen::Matrix4d X_WC = X_WC_.matrix();
   for (const Item& item : items) {
     if (!isSeen(item, view)) continue;
-    Sight sight{&item, coveredPart(*item.shape->mesh, item.X_CS, view, camera_->nearM()), letters_};
+    Sight sight{&item, coveredPart(*item.shape->mesh, item.X_CS, view, camera_->nearM()), letters_, nullptr};
     if (sight.covered.empty()) continue;
     for (std::size_t k = 0; k < letters_.size(); ++k) {
       if (!std::isupper(letters_[k])) continue;
@@ -79,6 +79,7 @@ std::vector<SolidPainter::Sight> SolidPainter::sightsOf(const std::vector<Item>&
       }
       shaded_[k].push_back(box);
     }
+    sight.mesh = &store_.meshSeen(item.shape->mesh, scaleOf(item, view));
     sights.push_back(std::move(sight));
   }
   return sights;
@@ -125,8 +126,7 @@ SolidPainter::Plan SolidPainter::planOf(std::size_t view) const {
   }
   for (const std::vector<Sight>* sights : {&seen.opaque, &seen.transparent}) {
     for (const Sight& sight : *sights) {
-      const GlMesh& mesh = store_.meshSeen(sight.item->shape->mesh, scaleOf(*sight.item, *seen.view));
-      parts.join(sight.covered, kTrianglePixels * mesh.index_count / 3);
+      parts.join(sight.covered, kTrianglePixels * sight.mesh->index_count / 3);
     }
   }
   if (plan.sky || plan.backdrop) covered = all;
@@ -231,7 +231,7 @@ void SolidPainter::draw(const Sight& sight, const PinholeView& view) {
   const Item& item = *sight.item;
   const Shape& shape = *item.shape;
   const Eigen::RowVector3d axis = view.R_FC.row(2);
-  const GlMesh& mesh = store_.meshSeen(shape.mesh, scaleOf(item, view));
+  const GlMesh& mesh = *sight.mesh;
   gl_.BindVertexArray(mesh.array);
   if (shape.material.two_sided) {
     gl_.Disable(GL_CULL_FACE);

@@ -68,6 +68,7 @@ class SolidPainter {
     const Item* item;
     PixelBox covered;     ///< the pixels that it can cover
     std::string letters;  ///< of the lights, capitals where something can throw a shadow on it
+    const GlMesh* mesh;   ///< as it is drawn
   };
   /** What of the frame is seen in one view. */
   struct Seen {
