@@ -8,6 +8,7 @@ import xml.etree.ElementTree as ElementTree
 
 import numpy
 
+from ..world.devices import flag
 from .document import NoFolders, found
 
 #: Begins the name of a URDF material whose picture a script gives.
@@ -168,7 +169,7 @@ def light_of_its_own(material: ElementTree.Element, name: str) -> typing.List[st
     if len(shares) == 3 and min(shares) >= 1.0:
         lighting = material.find("lighting")
         (ElementTree.SubElement(material, "lighting") if lighting is None else lighting).text = "false"
-    elif any(shares) and (material.findtext("lighting") or "true").strip() not in ("0", "false", "False"):
+    elif any(shares) and flag(material, "lighting", True):
         return ["material '%s': <emissive> beside a picture, less than 1 1 1: ignored" % name]
     return []
 
