@@ -20,11 +20,9 @@ class GlContext;
 class OpenGlRenderer : public Renderer {
  public:
   enum class Platform {
-    kOsmesa,      ///< Mesa's software renderer, in the calling thread
-    kWideOsmesa,  ///< the same, of an image in as many threads as there are processors
-    kEgl          ///< a GPU where there is one
+    kOsmesa,  ///< Mesa's software renderer
+    kEgl      ///< a GPU where there is one
   };
-  static constexpr int kPlatforms = 3;
 
   using MakeContext = std::function<std::unique_ptr<GlContext>()>;
 

@@ -5,7 +5,6 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <set>
 
 namespace aras_visual_servo_sim {
 namespace {

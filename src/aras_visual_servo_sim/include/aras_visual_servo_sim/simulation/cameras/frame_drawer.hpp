@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -12,9 +11,6 @@
 #include "aras_visual_servo_sim/simulation/cameras/camera.hpp"
 
 namespace aras_visual_servo_sim {
-
-/** Pixels of an image that takes long enough for several threads to draw it. */
-constexpr int kLarge_px = 150000;
 
 /** Draws what a camera sees: the present, or, of a camera with latency, a frame as it was when it was exposed. */
 class FrameDrawer {
@@ -45,11 +41,10 @@ class FrameDrawer {
   void drawLate(ImageOf<Value>& image, const Camera& camera, const ExposedFrame& frame, const Scene& now);
 
   void drawGeometry(const Camera& camera, const Pose& X_WC, const Scene& now, Distance distance, GeometryImage& out);
-  OpenGlRenderer& openGlFor(const CameraModel& camera);
+  OpenGlRenderer& openGlFor(const CameraConfig& camera);
 
   std::unique_ptr<Renderer> coverage_;
-  /** By platform; null until the first camera wants it. Other simulations have them, too. */
-  std::array<std::shared_ptr<OpenGlRenderer>, OpenGlRenderer::kPlatforms> opengl_;
+  std::shared_ptr<OpenGlRenderer> osmesa_, egl_;  // null until the first camera wants them; other simulations have them
   GeometryRenderer geometry_renderer_;
   GeometryImage depth_;  // of the frame that a lens with a depth of field blurs
 };

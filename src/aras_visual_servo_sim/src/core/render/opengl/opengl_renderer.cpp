@@ -362,9 +362,7 @@ class OpenGlRenderer::Implementation {
 };
 
 OpenGlRenderer::OpenGlRenderer(Platform platform)
-    : OpenGlRenderer(platform == Platform::kEgl      ? &makeEglContext
-                     : platform == Platform::kOsmesa ? &makeOsmesaContext
-                                                     : &makeWideOsmesaContext) {}
+    : OpenGlRenderer(platform == Platform::kEgl ? &makeEglContext : &makeOsmesaContext) {}
 
 OpenGlRenderer::OpenGlRenderer(MakeContext make_context)
     : implementation_(std::make_unique<Implementation>(std::move(make_context))) {}
@@ -374,8 +372,8 @@ OpenGlRenderer::~OpenGlRenderer() = default;
 std::string OpenGlRenderer::description() { return implementation_->description(); }
 
 std::shared_ptr<OpenGlRenderer> OpenGlRenderer::shared(Platform platform) {
-  thread_local std::weak_ptr<OpenGlRenderer> of_thread[kPlatforms];
-  std::weak_ptr<OpenGlRenderer>& known = of_thread[static_cast<int>(platform)];
+  thread_local std::weak_ptr<OpenGlRenderer> of_thread[2];
+  std::weak_ptr<OpenGlRenderer>& known = of_thread[platform == Platform::kEgl ? 1 : 0];
   std::shared_ptr<OpenGlRenderer> renderer = known.lock();
   if (!renderer) known = renderer = std::make_shared<OpenGlRenderer>(platform);
   return renderer;

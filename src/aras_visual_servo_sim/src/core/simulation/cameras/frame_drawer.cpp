@@ -17,20 +17,20 @@ Scene sceneOf(const ExposedFrame& frame, const Scene& now) { return frame.models
 
 FrameDrawer::FrameDrawer() : coverage_(std::make_unique<CoverageRenderer>()) {}
 
-OpenGlRenderer& FrameDrawer::openGlFor(const CameraModel& camera) {
-  using Platform = OpenGlRenderer::Platform;
-  const Platform platform = camera.config().gl == "egl" ? Platform::kEgl : Platform::kOsmesa;
-  std::shared_ptr<OpenGlRenderer>& renderer = opengl_[static_cast<std::size_t>(platform)];
-  if (!renderer) renderer = OpenGlRenderer::shared(platform);
+OpenGlRenderer& FrameDrawer::openGlFor(const CameraConfig& camera) {
+  const bool egl = camera.gl == "egl";
+  std::shared_ptr<OpenGlRenderer>& renderer = egl ? egl_ : osmesa_;
+  if (!renderer) {
+    renderer = OpenGlRenderer::shared(egl ? OpenGlRenderer::Platform::kEgl : OpenGlRenderer::Platform::kOsmesa);
+  }
   return *renderer;
 }
 
 std::string FrameDrawer::openGl() const {
   std::string found;
-  for (const auto& renderer : opengl_) {
-    const std::string drew_with = renderer ? renderer->drewWith() : "";
-    if (!drew_with.empty() && found.find(drew_with) == std::string::npos)
-      found += (found.empty() ? "" : "; ") + drew_with;
+  for (const auto& renderer : {osmesa_, egl_}) {
+    if (!renderer || renderer->drewWith().empty()) continue;
+    found += (found.empty() ? "" : "; ") + renderer->drewWith();
   }
   return found;
 }
@@ -73,7 +73,7 @@ void FrameDrawer::drawOnce(ImageOf<Value>& image, const CameraModel& camera, con
   const CameraConfig& config = camera.config();
   if (config.renderer != "opengl") return coverage_->render(camera, X_WC, scene, image);
   try {
-    openGlFor(camera).render(camera, X_WC, scene, image);
+    openGlFor(config).render(camera, X_WC, scene, image);
   } catch (const RenderError& error) {
     throw RenderError("camera '" + config.name + "': " + error.what());
   }

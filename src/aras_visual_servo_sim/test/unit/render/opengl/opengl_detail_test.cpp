@@ -71,25 +71,15 @@ TEST(OpenGlDetail, APictureSeenStraightOnTakesOneTapEverywhere) {
 }
 
 TEST(OpenGlDetail, ThreadsThatDrawAtOnceHaveALibraryEach) {
-  const auto mine = osmesaOfThread(/*wide=*/false);
-  EXPECT_EQ(osmesaOfThread(false), mine);
-  std::shared_ptr<OsmesaOfThread> others;
-  std::thread([&] { others = osmesaOfThread(false); }).join();
-  EXPECT_NE(others->library.create, mine->library.create);
+  const auto mine = osmesaOfThread();
+  EXPECT_EQ(osmesaOfThread(), mine);
+  std::shared_ptr<const OsmesaLibrary> others;
+  std::thread([&] { others = osmesaOfThread(); }).join();
+  EXPECT_NE(others->create, mine->create);
   const auto* freed = others.get();
   others.reset();
-  std::thread([&] { others = osmesaOfThread(false); }).join();
+  std::thread([&] { others = osmesaOfThread(); }).join();
   EXPECT_EQ(others.get(), freed);
-}
-
-TEST(OpenGlDetail, ManyThreadsDrawTheImageOfOne) {
-  OpenGlRenderer wide(OpenGlRenderer::Platform::kWideOsmesa);
-  const CameraModel camera = cameraOf(500, 400);
-  Image image;
-  wide.render(camera, kDown, colourfulScene(), image);
-  EXPECT_EQ(image.data, renderOpenGl(camera, kDown, colourfulScene()).data);
-  const int processors = static_cast<int>(std::thread::hardware_concurrency());
-  EXPECT_EQ(osmesaOfThread(true)->threads, processors > 1 ? processors : 0);
 }
 
 }  // namespace

@@ -22,11 +22,10 @@ CameraConfig cameraOf(const std::string& name, const std::string& renderer, int 
 }
 
 /** Two large cameras of OpenGL, one with latency, one that blurs, one of coverage, and a small one. */
-std::unique_ptr<Simulation> make(double far_m = 100.0) {
+std::unique_ptr<Simulation> make() {
   SimulationConfig config;
   config.cameras = {cameraOf("gl", "opengl", 400), cameraOf("late", "opengl", 400), cameraOf("blurred", "opengl", 400),
                     cameraOf("coverage", "coverage", 400), cameraOf("small", "coverage", 40)};
-  config.cameras[0].far_m = far_m;
   config.cameras[1].latency_s = 0.02;
   config.cameras[2].exposure_s = 0.01;
   config.scene = SceneConfig::fromYaml(YAML::Load(

@@ -22,7 +22,7 @@ namespace {
 
 class OsmesaContext : public GlContext {
  public:
-  explicit OsmesaContext(bool wide) : held_(osmesaOfThread(wide)), library_(held_->library) {
+  OsmesaContext() : library_(osmesaOfThread()) {
     const int wanted[] = {OSMESA_FORMAT,
                           OSMESA_RGBA,
                           OSMESA_DEPTH_BITS,
@@ -34,24 +34,23 @@ class OsmesaContext : public GlContext {
                           OSMESA_CONTEXT_MINOR_VERSION,
                           3,
                           0};
-    context_ = held_->create(wanted);
+    context_ = library_->create(wanted, nullptr);
     if (!context_) throw RenderError("renderer 'opengl': OSMesa gives no context of OpenGL 3.3, core profile");
     const Binding binding(*this);
-    gl_ = GlFunctions::load([this](const char* name) { return reinterpret_cast<void*>(library_.address(name)); });
+    gl_ = GlFunctions::load([this](const char* name) { return reinterpret_cast<void*>(library_->address(name)); });
   }
-  ~OsmesaContext() override { library_.destroy(context_); }
+  ~OsmesaContext() override { library_->destroy(context_); }
 
  private:
   void bind() override {
-    if (!library_.make_current(context_, unused_.data(), GL_UNSIGNED_BYTE, kSide, kSide)) {
+    if (!library_->make_current(context_, unused_.data(), GL_UNSIGNED_BYTE, kSide, kSide)) {
       throw RenderError("renderer 'opengl': the OSMesa context was lost");
     }
   }
-  void release() override { library_.make_current(nullptr, nullptr, 0, 0, 0); }
+  void release() override { library_->make_current(nullptr, nullptr, 0, 0, 0); }
 
   static constexpr int kSide = 8;
-  const std::shared_ptr<OsmesaOfThread> held_;
-  const OsmesaLibrary& library_;
+  const std::shared_ptr<const OsmesaLibrary> library_;
   OSMesaContext context_ = nullptr;
   std::array<unsigned, kSide * kSide> unused_{};  // OSMesa's own picture: everything is drawn elsewhere
 };
@@ -168,9 +167,7 @@ std::string GlContext::description() const {
   return text(GL_RENDERER) + ", " + text(GL_VERSION);
 }
 
-std::unique_ptr<GlContext> makeOsmesaContext() { return std::make_unique<OsmesaContext>(/*wide=*/false); }
-
-std::unique_ptr<GlContext> makeWideOsmesaContext() { return std::make_unique<OsmesaContext>(/*wide=*/true); }
+std::unique_ptr<GlContext> makeOsmesaContext() { return std::make_unique<OsmesaContext>(); }
 
 std::unique_ptr<GlContext> makeEglContext() { return std::make_unique<EglContext>(); }
 

@@ -39,8 +39,6 @@ class GlContext {
 
 /** Mesa's software renderer. @throws RenderError naming the Debian package if libOSMesa is missing */
 std::unique_ptr<GlContext> makeOsmesaContext();
-/** One that draws in as many threads as there are processors, unless LP_NUM_THREADS says how many. @throws as that */
-std::unique_ptr<GlContext> makeWideOsmesaContext();
 /** The GPU if there is one, without a display. @throws RenderError naming the Debian package if libEGL is missing */
 std::unique_ptr<GlContext> makeEglContext();
 

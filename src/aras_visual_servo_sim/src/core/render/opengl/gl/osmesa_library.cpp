@@ -19,24 +19,10 @@ namespace aras_visual_servo_sim {
 namespace {
 
 struct Instance {
-  OsmesaOfThread osmesa;
+  OsmesaLibrary library;
   std::thread::id user;
   int held = 0;
 };
-
-constexpr char kThreads[] = "LP_NUM_THREADS";
-
-/** In how many threads an image is drawn, unless the user says so. */
-int threadsOf(bool wide) {
-  const int processors = static_cast<int>(std::thread::hardware_concurrency());
-  return wide && !threadsAreChosen() && processors > 1 ? processors : 0;
-}
-
-/** What reads and changes the environment, one after another. */
-std::mutex& environment() {
-  static std::mutex& mutex = *new std::mutex;
-  return mutex;
-}
 
 /** @param names  of its file, the first that can be opened is taken @throws RenderError */
 OsmesaLibrary openOsmesa(const std::vector<std::string>& names) {
@@ -76,47 +62,31 @@ OsmesaLibrary openCopy(const OsmesaLibrary& of) {
 
 }  // namespace
 
-OSMesaContext OsmesaOfThread::create(const int* wanted) const {
-  const std::lock_guard<std::mutex> lock(environment());
-  if (threads == 0) return library.create(wanted, nullptr);
-  const std::string before = std::getenv(kThreads);  // which the opening of the library has set
-  setenv(kThreads, std::to_string(threads).c_str(), 1);
-  const OSMesaContext context = library.create(wanted, nullptr);
-  setenv(kThreads, before.c_str(), 1);
-  return context;
-}
-
-std::shared_ptr<OsmesaOfThread> osmesaOfThread(bool wide) {
+std::shared_ptr<const OsmesaLibrary> osmesaOfThread() {
   static std::mutex mutex;
   static std::deque<Instance>& instances = *new std::deque<Instance>;  // contexts may outlive all that is static
   static bool copies = true;
   const std::lock_guard<std::mutex> lock(mutex);
-  const int threads = threadsOf(wide);
+  if (instances.empty()) instances.push_back({openOsmesa(names()), {}, 0});
   const auto me = std::this_thread::get_id();
-  const auto most = 2 * std::max<std::size_t>(1, std::thread::hardware_concurrency());
-  Instance* chosen = nullptr;
-  for (Instance& each : instances) {
-    if (each.osmesa.threads != threads) continue;
-    if (each.held > 0 && each.user == me) chosen = &each;
-  }
-  for (Instance& each : instances) {
-    if (each.osmesa.threads == threads && (!chosen || (chosen->user != me && each.held < chosen->held))) chosen = &each;
-  }
-  if (!chosen || (chosen->held > 0 && chosen->user != me && copies && instances.size() < most)) {
-    try {
-      const OsmesaLibrary library =
-          instances.empty() ? openOsmesa(names()) : openCopy(instances.front().osmesa.library);
-      instances.push_back({{library, threads}, {}, 0});
-      chosen = &instances.back();
-    } catch (const RenderError&) {
-      if (instances.empty()) throw;
-      copies = false;
-      if (!chosen) chosen = &instances.front();
+  const auto isMine = [me](const Instance& each) { return each.held > 0 && each.user == me; };
+  auto chosen = std::find_if(instances.begin(), instances.end(), isMine);
+  if (chosen == instances.end()) {
+    const auto fewer = [](const Instance& a, const Instance& b) { return a.held < b.held; };
+    chosen = std::min_element(instances.begin(), instances.end(), fewer);
+    const auto most = 2 * std::max<std::size_t>(1, std::thread::hardware_concurrency());
+    if (chosen->held > 0 && copies && instances.size() < most) {
+      try {
+        instances.push_back({openCopy(instances.front().library), {}, 0});
+        chosen = std::prev(instances.end());
+      } catch (const RenderError&) {
+        copies = false;
+      }
     }
   }
-  if (chosen->held++ == 0) chosen->user = me;
   Instance& instance = *chosen;
-  return {&instance.osmesa, [&instance](OsmesaOfThread*) {
+  if (instance.held++ == 0) instance.user = me;
+  return {&instance.library, [&instance](const OsmesaLibrary*) {
             const std::lock_guard<std::mutex> release(mutex);
             --instance.held;
           }};

@@ -11,11 +11,9 @@ namespace {
 /** Sets, once in a process and before Mesa reads them, what it takes from the environment, unless the user has:
  *  LP_NUM_THREADS=0, for frames are so small that they are drawn fastest in the calling thread, and
  *  MESA_SHADER_CACHE_DIR, for compiled shaders: $ROS_HOME or ~/.ros, folder aras_visual_servo. */
-void prepareMesa(bool* threads_are_chosen = nullptr) {
+void prepareMesa() {
   static std::once_flag once;
-  static bool chosen = false;
   std::call_once(once, [] {
-    chosen = std::getenv("LP_NUM_THREADS") != nullptr;
     setenv("LP_NUM_THREADS", "0", /*overwrite=*/0);
     if (std::getenv("MESA_SHADER_CACHE_DIR")) return;
     const char *ros_home = std::getenv("ROS_HOME"), *home = std::getenv("HOME");
@@ -30,16 +28,9 @@ void prepareMesa(bool* threads_are_chosen = nullptr) {
       setenv("MESA_SHADER_CACHE_DIR", folder.c_str(), 0);
     }
   });
-  if (threads_are_chosen) *threads_are_chosen = chosen;
 }
 
 }  // namespace
-
-bool threadsAreChosen() {
-  bool chosen = false;
-  prepareMesa(&chosen);
-  return chosen;
-}
 
 SharedLibrary::SharedLibrary(std::string who, const std::vector<std::string>& names, const std::string& package)
     : who_(std::move(who)) {

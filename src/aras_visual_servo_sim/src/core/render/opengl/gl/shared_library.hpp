@@ -9,9 +9,6 @@
 
 namespace aras_visual_servo_sim {
 
-/** Whether LP_NUM_THREADS, in how many threads Mesa draws an image, is the user's choice and not ours. */
-bool threadsAreChosen();
-
 /** A library that is opened at its first use and then stays: llvmpipe does not survive being closed. */
 class SharedLibrary {
  public:
