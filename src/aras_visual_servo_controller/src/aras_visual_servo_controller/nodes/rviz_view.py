@@ -25,7 +25,7 @@ from .error_plot import ErrorPlot
 from .parameters import ControllerSetup
 
 EXIT_STOPPED, EXIT_PARAMETERS = 0, 2
-#: Wall time between two pictures of the errors [s].
+#: Wall time between two pictures of the errors within one phase [s].
 PLOT_S = 0.2
 #: The image that was taught is looked for among so many.
 KEPT_IMAGES = 64
@@ -60,6 +60,7 @@ class RvizView:
         servo, source = setup.servo, setup.servo.source
         self._depth_m = setup.sequence.config.z_star_m
         self._plot, self._plotted_s = ErrorPlot(servo.feature_names, servo.config.thresholds), 0.0
+        self._phase = ""
         self._images, self._reference_ns = OrderedDict(), -1
         self._goal_view = rospy.Publisher("goal_view", Image, queue_size=1, latch=True)
         self._plots = rospy.Publisher("error_plot", Image, queue_size=1)
@@ -105,8 +106,10 @@ class RvizView:
     def _on_state(self, state):
         stamp_ns = convert.stamp_ns(state.header)
         self._plot.add(stamp_ns * 1e-9, state.e)
-        now_s = time.monotonic()
-        if not self._plots.get_num_connections() or now_s - self._plotted_s < PLOT_S:
+        # A new phase is shown at once: after the last one no state may come that would show how the servo ended.
+        now_s, changed = time.monotonic(), state.phase != self._phase
+        self._phase = state.phase
+        if not self._plots.get_num_connections() or now_s - self._plotted_s < PLOT_S and not changed:
             return
         self._plotted_s = now_s
         self._plots.publish(convert.picture_message(self._plot.draw(), stamp_ns, state.header.frame_id))
