@@ -1,7 +1,11 @@
 #!/usr/bin/env python3
-"""Frames a second of CPU time, one thread, of a camera drawn by OpenGL. The last word printed is the figure.
+"""Frames a second of a camera drawn by OpenGL. The last word printed is the figure.
 
-    cameras.py SCENE [--size 320x240] [--depth] [--seconds 2] [--save FILE.png]
+    cameras.py SCENE [--size 320x240] [--depth] [--gl osmesa] [--seconds 2] [--save FILE.png]
+    cameras.py all --gl egl     a table of all scenes and sizes on the GPU
+
+With OSMesa they are frames a second of CPU time of one thread. With EGL, which may draw on a GPU, they are those of wall
+time, read-back included; the table begins with the name of what drew.
 
 SCENE, seen from 0.6 m above but for the last two:
     flat, textured    a plane of one colour, or with a checkerboard; textured_samples: four samples a pixel
@@ -20,7 +24,10 @@ import zlib
 
 os.environ.setdefault("LP_NUM_THREADS", "0")  # before the first call of OpenGL
 
-from aras_visual_servo_sim import Simulation  # noqa: E402
+from aras_visual_servo_sim import opengl_description, Simulation  # noqa: E402
+
+SCENES = ("flat", "textured", "textured_samples", "boxes", "shadows", "everything", "arm", "arm_everything", "meshes")
+SIZES = ("320x240", "640x480", "800x800", "1000x1000", "1920x1080")
 
 FIXED = """<robot name="stand"><link name="world"/><link name="eye"/><joint name="j" type="fixed"><parent link="world"/>
 <child link="eye"/><origin xyz="%s" rpy="%s"/></joint></robot>"""
@@ -87,11 +94,11 @@ def meshed_arm(path):
     return '<robot name="meshed">%s%s</robot>' % ("".join(links), "".join(joints))
 
 
-def simulation_of(scene, size, folder):
+def simulation_of(scene, size, folder, gl="osmesa"):
     """The world, and the joints that move between images."""
     width, height = size
-    camera = {"name": "camera", "frame": "eye", "width": width, "height": height, "renderer": "opengl", "far_m": 20.0,
-              "fx_px": 195.0 / 320 * width, "fy_px": 195.0 / 320 * width}
+    camera = {"name": "camera", "frame": "eye", "width": width, "height": height, "renderer": "opengl", "gl": gl,
+              "far_m": 20.0, "fx_px": 195.0 / 320 * width, "fy_px": 195.0 / 320 * width}
     everything = scene.endswith("everything") or scene == "meshes"
     if not everything and scene != "textured_samples":
         camera["sampling"] = "center"
@@ -120,39 +127,56 @@ def simulation_of(scene, size, folder):
     return Simulation(DOWN, config), ()
 
 
-def frames_per_s(simulation, joints, seconds, depth):
+def frames_per_s(simulation, joints, seconds, depth, clock=time.process_time):
     """Everything moves a little between images, so that nothing can be kept."""
     frames, used_s, place = 0, 0.0, {joint: 0.05 * (-1) ** k for k, joint in enumerate(joints)}
     while used_s < seconds:
         place = {joint: value + 1e-4 * (1 if frames % 200 < 100 else -1) for joint, value in place.items()}
         if joints:
             simulation.set_joint_positions({**dict(zip(simulation.joint_names, simulation.joint_positions)), **place})
-        begun = time.process_time()
+        begun = clock()
         simulation.render("camera")
         if depth:
             simulation.render_depth("camera")
         if frames >= 2:  # the first make shaders
-            used_s += time.process_time() - begun
+            used_s += clock() - begun
         frames += 1
     return (frames - 2) / used_s
 
 
+def measure(scene, size, options, save=None):
+    """Frames a second of a scene."""
+    clock = time.process_time if options.gl == "osmesa" else time.perf_counter
+    with tempfile.TemporaryDirectory() as folder:
+        simulation, joints = simulation_of(scene, [int(side) for side in size.split("x")], folder, options.gl)
+        rate = frames_per_s(simulation, joints, options.seconds, options.depth, clock)
+    if save:
+        import cv2
+        cv2.imwrite(save, simulation.render("camera")[..., ::-1])
+    return rate
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("scene", choices=["flat", "textured", "textured_samples", "boxes", "shadows", "everything",
-                                          "arm", "arm_everything", "meshes"])
+    parser.add_argument("scene", choices=[*SCENES, "all"])
     parser.add_argument("--size", default="320x240")
     parser.add_argument("--depth", action="store_true", help="colour and depth")
+    parser.add_argument("--gl", choices=["osmesa", "egl"], default="osmesa")
     parser.add_argument("--seconds", type=float, default=2.0)
-    parser.add_argument("--save", help="PNG file for the last image")
+    parser.add_argument("--save", help="PNG file for the last image of a scene")
     options = parser.parse_args()
-    with tempfile.TemporaryDirectory() as folder:
-        simulation, joints = simulation_of(options.scene, [int(side) for side in options.size.split("x")], folder)
-        rate = frames_per_s(simulation, joints, options.seconds, options.depth)
-    if options.save:
-        import cv2
-        cv2.imwrite(options.save, simulation.render("camera")[..., ::-1])
-    print("%s %s%s [frames/s of CPU time]: %.1f" % (options.scene, options.size, " with depth" * options.depth, rate))
+    unit = "frames/s of CPU time" if options.gl == "osmesa" else "frames/s"
+    if options.scene != "all":
+        rate = measure(options.scene, options.size, options, options.save)
+        print("%s %s%s [%s]: %.1f" % (options.scene, options.size, " with depth" * options.depth, unit, rate))
+        return
+    print("%s, drawn by %s\n" % (unit, opengl_description(options.gl)))
+    print("| scene%s | %s |\n|%s" % (" with depth" * options.depth, " | ".join(SIZES), " --- |" * (len(SIZES) + 1)))
+    for scene in SCENES:
+        print("| %s |" % scene, end="", flush=True)
+        for size in SIZES:
+            print(" %.1f |" % measure(scene, size, options), end="", flush=True)
+        print()
 
 
 if __name__ == "__main__":
