@@ -1,7 +1,12 @@
 """Cameras that see depth, as the plugins of RealSense and Kinect publish it."""
+import io
+
 import numpy
 import pytest
+from sensor_msgs.msg import Image
+from std_msgs.msg import Header
 
+from gazebo_ros.node.cameras import image_message
 from gazebo_ros.world.depth_cameras import Depth
 from gazebo_ros.world.description import read_description
 from gazebo_ros.world.world import World
@@ -104,3 +109,15 @@ def test_a_number_that_is_none_is_the_default():
     found = read_description(REALSENSE % "nan", "", "r")
     assert found.cameras["camdepth"].depth.range_m == (0.3, 65.535)
     assert any("<rangeMaxDepth> 'nan'" in line for line in found.warnings)
+
+
+@pytest.mark.parametrize("image, encoding", [
+    (numpy.arange(24, dtype=numpy.uint8).reshape(2, 4, 3), "rgb8"),
+    (numpy.arange(8, dtype=numpy.float32).reshape(2, 4), "32FC1"),
+    (numpy.arange(16, dtype=numpy.uint8).reshape(2, 8)[:, :4], "mono8")])
+def test_an_image_is_sent_with_the_bytes_of_its_array(image, encoding):
+    sent = io.BytesIO()
+    image_message(Header(seq=3, frame_id="eye"), image, encoding).serialize(sent)
+    got = Image().deserialize(sent.getvalue())
+    assert (got.header.seq, got.header.frame_id, got.encoding, got.height, got.width) == (3, "eye", encoding, 2, 4)
+    assert got.data == image.tobytes() and got.step == len(got.data) // 2

@@ -4,8 +4,8 @@
     cameras.py SCENE [--size 320x240] [--depth] [--gl osmesa] [--seconds 2] [--save FILE.png]
     cameras.py all --gl egl     a table of all scenes and sizes on the GPU
 
-With OSMesa they are frames a second of CPU time of one thread. With EGL, which may draw on a GPU, they are those of wall
-time, read-back included; the table begins with the name of what drew.
+With OSMesa they are frames a second of CPU time of one thread. With EGL, which may draw on a GPU, they are those of
+wall time, read-back included; the table begins with the name of what drew.
 
 SCENE, seen from 0.6 m above but for the last two:
     flat, textured    a plane of one colour, or with a checkerboard; textured_samples: four samples a pixel

@@ -17,16 +17,18 @@ ImageView viewOf(const py::array& image, std::optional<PixelFormat> format) {
   const py::ssize_t values = image.ndim() == 2 ? 1 : image.ndim() == 3 ? image.shape(2) : 0;
   const bool deep = py::isinstance<py::array_t<std::uint16_t>>(image);
   const bool bytes = py::isinstance<py::array_t<std::uint8_t>>(image);
-  const std::string found = "image: found " + std::string(py::str(image.attr("dtype"))) + " of shape " +
-                            std::string(py::str(image.attr("shape")));
+  const auto found = [&] {
+    return "image: found " + std::string(py::str(image.attr("dtype"))) + " of shape " +
+           std::string(py::str(image.attr("shape")));
+  };
   if (!format) {
     if (!(deep || bytes) || !(values == 1 || values == 3 || values == 4))
-      throw ShapeError(found + ", allowed uint8 or uint16 of shape (h, w), (h, w, 3) or (h, w, 4)");
+      throw ShapeError(found() + ", allowed uint8 or uint16 of shape (h, w), (h, w, 3) or (h, w, 4)");
     format = values == 1   ? (deep ? PixelFormat::kMono16 : PixelFormat::kMono8)
              : values == 3 ? (deep ? PixelFormat::kRgb16 : PixelFormat::kRgb8)
                            : (deep ? PixelFormat::kRgba16 : PixelFormat::kRgba8);
   } else if (values != channels(*format) || !(isDeep(*format) ? deep : bytes)) {
-    throw ShapeError(found + ", allowed " + (isDeep(*format) ? "uint16" : "uint8") + " of " +
+    throw ShapeError(found() + ", allowed " + (isDeep(*format) ? "uint16" : "uint8") + " of " +
                      std::to_string(channels(*format)) + " values a pixel");
   }
   const py::ssize_t size = image.itemsize(), depth = values * size;

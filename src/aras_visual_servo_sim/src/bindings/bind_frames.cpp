@@ -14,14 +14,23 @@ struct PythonFrame {
   FrameState state;
 };
 
-/** Read-only array over the camera's own image; keeps the world alive. */
+/** Read-only array over what a camera has; keeps the world alive. */
+py::array viewOf(const py::dtype& type, const std::vector<py::ssize_t>& shape, const void* data,
+                 const py::object& world) {
+  py::array view(type, shape, data, world);
+  py::detail::array_proxy(view.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
+  return view;
+}
+
 py::array viewOf(const Image& image, const py::object& world) {
   std::vector<py::ssize_t> shape = {image.height, image.width};
   if (image.channels() > 1) shape.push_back(image.channels());
   const py::dtype type = isDeep(image.encoding) ? py::dtype::of<std::uint16_t>() : py::dtype::of<std::uint8_t>();
-  py::array view(type, shape, image.data.data(), world);
-  py::detail::array_proxy(view.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
-  return view;
+  return viewOf(type, shape, image.data.data(), world);
+}
+
+py::array viewOf(const GeometryImage& image, const py::object& world) {
+  return viewOf(py::dtype::of<float>(), {image.height, image.width}, image.depth_m.data(), world);
 }
 
 const Image& drawn(World& world, int camera) {
@@ -80,7 +89,7 @@ py::dict takeFrames(const py::object& self, const std::vector<std::tuple<std::st
       if (frame.failed) std::rethrow_exception(frame.failed);
       py::object image = py::none(), depth = py::none();
       if (frame.image) image = viewOf(camera.image, self);
-      if (frame.geometry) depth = copied(camera.geometry, camera.geometry.depth_m);
+      if (frame.geometry) depth = viewOf(camera.geometry, self);
       taken[name] = py::make_tuple(image, depth);
     } catch (const ArasError& error) {
       taken[name] = py::str(error.what());
@@ -147,9 +156,9 @@ void bindFrames(py::module_& module, WorldClass& type) {
       "Takes frames that are due now and draws them: as step_to_image, render and render_depth of one camera after\n"
       "another do, with the same run hash, but large images at the same time where there are processors.\n\n"
       "Args:\n    wanted: list of (camera, whether its image, whether its depth is wanted).\n"
-      "Returns:\n    dict of camera -> (image as of render, depth as of render_depth), each None if it is not "
-      "wanted;\n"
-      "    in their place, str, why it could not be drawn.\n"
+      "Returns:\n    dict of camera -> (image as of render, depth as of render_depth, a read-only view too), each None "
+      "if\n"
+      "    it is not wanted; in their place, str, why it could not be drawn.\n"
       "Raises:\n    UnknownNameError, ParameterError: no frame of it is due; nothing is taken then.");
   type.def(
           "render_depth",

@@ -1,5 +1,6 @@
 """Images, depth and points of the cameras of one model, under the names that their tags give."""
 import os
+import struct
 import typing
 
 import numpy
@@ -16,9 +17,25 @@ from .outlet import NEVER_NS, Outlet
 LARGE_PX = 150000
 
 
+class ArrayImage(Image):
+    """A sensor_msgs/Image whose pixels stay in their array, `array`, and are copied once, when it is sent."""
+
+    array: numpy.ndarray
+
+    def serialize(self, buff: typing.BinaryIO) -> None:
+        super().serialize(buff)  # with no data, which are the last of its fields
+        buff.seek(-4, os.SEEK_CUR)
+        buff.write(struct.pack("<I", self.array.nbytes))
+        buff.write(self.array)
+
+
 def image_message(header: Header, image: numpy.ndarray, encoding: str) -> Image:
-    return Image(header=header, height=image.shape[0], width=image.shape[1], encoding=encoding, step=image.strides[0],
-                 data=image.tobytes())
+    """Args: image: (h, w) or (h, w, channels), which does not change until the message is published."""
+    array = numpy.ascontiguousarray(image)
+    message = ArrayImage(header=header, height=array.shape[0], width=array.shape[1], encoding=encoding,
+                         step=array.strides[0])
+    message.array = array
+    return message
 
 
 def cloud_message(header: Header, points: numpy.ndarray) -> PointCloud2:

@@ -55,7 +55,7 @@ class Depth:
         if self.millimetres:
             inside &= depth_m <= 0.001 * numpy.iinfo(numpy.uint16).max
             return numpy.where(inside, depth_m.astype(numpy.float64) / 0.001, 0.0).astype(numpy.uint16)
-        return numpy.where(inside, depth_m, numpy.float32(numpy.nan))
+        return depth_m if inside.all() else numpy.where(inside, depth_m, numpy.float32(numpy.nan))
 
     def cloud(self, depth_m: numpy.ndarray, K: typing.Sequence[float], colors: numpy.ndarray) -> numpy.ndarray:
         """Points (h, w, 4) float32 in the optical frame: x, y, z [m], NaN where nothing is in range, and the colour as

@@ -17,7 +17,7 @@ DrawingThreads::~DrawingThreads() {
 std::vector<std::exception_ptr> DrawingThreads::run(const std::vector<Task>& tasks, FrameDrawer& own) {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    const std::size_t processors = std::max(1u, std::thread::hardware_concurrency());
+    static const std::size_t processors = std::max(1u, std::thread::hardware_concurrency());  // asks the file system
     while (threads_.size() + 1 < std::min(tasks.size(), processors)) threads_.emplace_back([this] { work(); });
     thrown_.assign(tasks.size(), nullptr);
     next_ = finished_ = 0;
