@@ -7,10 +7,10 @@ cameras      1 to 8 cameras of 640 x 480 on 1, 2, 4 and 8 cores, as many as ther
              all of them due together at 30 Hz
 pixels       one image from 160 x 120 to 1920 x 1080: the arm over a table with shadows and four samples, milliseconds
              of processor time
-triangles    one body of 10^2 to 10^6 triangles in an image of 800 x 800, and the same where none are put
-             together (a picture lies on it): milliseconds of processor time of the first image and of each further one
-robots       1 to 50 arms of six joints with their controllers, through the packages of Gazebo's names: simulated seconds
-             per second of processor time
+triangles    one body of 10^2 to 10^6 triangles in an image of 800 x 800, and the same where none are put together
+             (a picture lies on it): milliseconds of processor time of the first image and of each further one
+robots       1 to 50 arms of six joints with their controllers, through the packages of Gazebo's names: simulated
+             seconds per second of processor time
 The least of all runs counts. Each figure is measured in a process of its own.
 """
 import argparse
