@@ -142,7 +142,7 @@ def robots(count):
 
 
 def grow(what, runs):
-    """One table. Returns (what is counted, unit, whether more is better, {label: {count: figure}})."""
+    """One table. Returns (what is counted, unit, {label: {count: figure}})."""
     curves = {}
     if what == "cameras":
         for cores in CORES:
@@ -151,17 +151,17 @@ def grow(what, runs):
         return "cameras of 640 x 480, 30 Hz", "simulated / wall seconds", curves
     if what == "pixels":
         curves["arm, shadows, four samples"] = {
-            width * height: min(measure(what, width, height) for _ in range(runs)) for width, height in SIZES}
-        return "pixels", "ms an image", curves
+            1e-6 * width * height: min(measure(what, width, height) for _ in range(runs)) for width, height in SIZES}
+        return "megapixels", "ms an image", curves
     if what == "triangles":
         for label, textured in (("", False), (", with a picture", True)):
             for count in TRIANGLES:
                 first, further = least([measure(what, count, textured) for _ in range(runs)])
                 curves.setdefault("further images" + label, {})[count] = further
                 curves.setdefault("first image" + label, {})[count] = first
-        return "triangles of a body", "ms an image of 800 x 800", curves
+        return "triangles of a body", "ms an image", curves
     curves["arms of six joints"] = {count: max(robots(count) for _ in range(runs)) for count in ROBOTS}
-    return "robots", "simulated seconds per second of processor time", curves
+    return "robots", "simulated / processor seconds", curves
 
 
 def draw(found, path):
@@ -169,12 +169,19 @@ def draw(found, path):
     import matplotlib
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter, NullLocator
     figure, axes = plt.subplots(1, len(found), figsize=(4.2 * len(found), 3.6), squeeze=False)
     for axis, (of_what, unit, curves) in zip(axes[0], found):
         for label, curve in curves.items():
             axis.loglog(list(curve), list(curve.values()), marker="o", markersize=4, linewidth=1.5, label=label)
         axis.set_xlabel(of_what)
         axis.set_ylabel(unit)
+        words = ["%.2g" % count if count < 100 else ("%.0e" % count).replace("e+0", "e") for count in curve]
+        axis.set_xticks(list(curve), words, fontsize=7)
+        axis.xaxis.set_minor_locator(NullLocator())
+        axis.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axis.yaxis.set_major_formatter(FuncFormatter(lambda value, _: "%g" % value))
+        axis.yaxis.set_minor_formatter(NullFormatter())
         axis.grid(True, which="both", linewidth=0.4, color="0.88")
         axis.set_axisbelow(True)
         if len(curves) > 1:
@@ -204,7 +211,7 @@ def main():
         of_what, unit, curves = grow(what, options.runs)
         found.append((of_what, unit, curves))
         counts = list(next(iter(curves.values())))
-        table([[of_what, *("%d" % count for count in counts)], ["---"] * (len(counts) + 1),
+        table([[of_what, *("%g" % count for count in counts)], ["---"] * (len(counts) + 1),
                *([label + ": " + unit, *curve.values()] for label, curve in curves.items())])
     if options.figure:
         draw(found, options.figure)
