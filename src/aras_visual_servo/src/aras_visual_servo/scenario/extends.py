@@ -3,10 +3,10 @@
 `extends: experiment_1` names a scenario of this package, `extends: PATH.yaml` a file, relative to the one that says so.
 In a list, `extends: [ur5e, six_dof_points]`, what an entry says goes before what those after it say, as with the
 base classes of a Python class. The rules are those of a JSON Merge Patch (RFC 7396) and two more of our own, see
-`merge`. A file that names a URDF does not inherit numbers by joint (goal, start, ...) of joints that this robot lacks.
+`merge`. A file that names a URDF does not inherit numbers by joint (goal, start) of joints that this robot lacks.
 
-An arm is a scenario with a `task`: the scenario that it runs where none is named. `robot: ur5e` puts an arm first in the
-list.
+An arm is a scenario with a `task`: the scenario that it runs where none is named. `robot: ur5e` puts an arm first in
+the list.
 """
 
 import os
@@ -68,7 +68,9 @@ def load_resolved(path: Path, robot: Optional[str] = None) -> Tuple[Dict[str, An
     path = Path(path)
     document, files = _load(path, ())
     if robot is not None:
+        own = {"name": document.get("name"), "description": document.get("description", "")}
         document, files = _extended([(f"--set robot={robot}", robot)], document, files, Path(), (), arm=True)
+        document.update(own, name=f"{document.get('name')}_{own['name']}")
     way = tuple(file.resolve() for file in files)
     while TASK in document:
         where, beneath = f"{path}: {TASK}", document.pop(TASK)
