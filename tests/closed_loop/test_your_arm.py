@@ -86,7 +86,8 @@ def test_a_singular_home_and_a_camera_that_moves_against_the_flange_are_named(fo
 def test_bad_arguments_of_add_are_named(folder, capsys):
     add = ["robot", "add", "my_arm.urdf", "--tip", "flange", "--camera-xyz", "0", "0", "0"]
     for more, begin in ((["--home", "elbow"], "--home: found elbow"), (["--home", "elbo=1"], "home: found joint elbo"),
-                        (["--z-star-m", "0"], "--z-star-m: found 0"), (["--name", "a/b"], "--name: found")):
+                        (["--z-star-m", "0"], "--z-star-m: found 0"), (["--name", "a/b"], "--name: found"),
+                        (["--camera", "hand"], "camera: found hand")):
         assert main([*add, *more]) == 2
         assert begin in capsys.readouterr().err
     (folder / "my_arm").mkdir()

@@ -62,6 +62,7 @@ def _work(arguments: Namespace) -> int:
 
 COMMAND = Command("Make the files of an arm from its URDF: joint controllers, and a scenario with a home, a start and "
                   "a target within reach.",
-                  [("arm.urdf --tip tool0 --camera camera_optical_frame", "arm/scenario.yaml, which runs"),
-                   ("arm.urdf --tip tool0 --camera-xyz 0 0.06 0.02", "with a camera that the URDF lacks")],
+                  [("my_arm.urdf --tip flange --camera-xyz 0 0.06 0.02", "with a camera that the URDF lacks"),
+                   ("my_arm.urdf --tip flange --camera-xyz 0 0 0.05 --name mine --driver /arm_controller", "and the "
+                    "controller of its driver")],
                   _options, _work)

@@ -32,5 +32,5 @@ def _work(arguments: Namespace) -> int:
 
 
 COMMAND = Command("Print everything that a URDF lacks: limits, inertias, meshes, the camera's frame, a home that is "
-                  "not singular.", [("arm.urdf --tip tool0 --camera camera_optical_frame", "an arm of your own")],
+                  "not singular.", [("my_arm.urdf --tip flange --camera camera_optical_frame", "an arm of your own")],
                   add_urdf, _work)

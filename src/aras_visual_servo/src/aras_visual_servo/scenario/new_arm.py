@@ -51,8 +51,18 @@ class NewArm:
 
 def with_camera_link(urdf_xml: str, tip_link: str, camera_link: str, xyz_m: Sequence[float],
                      rpy_rad: Sequence[float]) -> str:
-    """Returns the URDF with one more link, the camera's optical frame at a place of the tip link [m, rad]."""
-    robot = ElementTree.fromstring(urdf_xml)
+    """Returns the URDF with one more link, the camera's optical frame at a place of the tip link [m, rad].
+
+    Raises ParameterError: this is no XML, or it has a link of the camera's name.
+    """
+    try:
+        robot = ElementTree.fromstring(urdf_xml)
+    except ElementTree.ParseError as error:
+        raise ParameterError(f"URDF: found no XML ({error}), allowed a URDF") from error
+    links = [link.get("name") for link in robot.findall("link")]
+    if camera_link in links:
+        raise ParameterError(f"camera: found {camera_link} in the URDF already, allowed the name of a new link, or no "
+                             "place for it")
     ElementTree.SubElement(robot, "link", name=camera_link)
     joint = ElementTree.SubElement(robot, "joint", name=f"{camera_link}_joint", type="fixed")
     ElementTree.SubElement(joint, "parent", link=tip_link)

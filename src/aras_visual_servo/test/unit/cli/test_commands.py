@@ -37,6 +37,8 @@ def folder(tmp_path_factory):
     for name, language in (("my_servo.py", "python"), ("mine.yaml", "yaml")):
         (folder / name).write_text(re.search(rf"```{language}\n(.*?)```", page, re.DOTALL)[1])
     (folder / "arm.urdf").write_text(load_scenario("experiment_1").urdf_xml())
+    page = (DOCS / "your_arm.md").read_text()
+    (folder / "my_arm.urdf").write_text(re.search(r"```xml\n(.*?)```", page, re.DOTALL)[1])
     code, said = run(folder, "sweep", "experiment_1", "--starts", "2", "--workers", "0", "--name", "STAMP", "--set",
                      "servo.time_limit_s=0.5")
     assert code == 0, said
