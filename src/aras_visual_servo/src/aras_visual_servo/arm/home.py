@@ -1,10 +1,10 @@
-"""A posture to work from: the camera looks down, and no twist of the camera is nearly lost. No ROS."""
+"""A posture to work from: the camera looks down and past the arm, and no twist of it is nearly lost. No ROS."""
 
-from typing import Optional, Tuple
+from typing import Callable, List, Optional, Sequence, Tuple
 
 import numpy as np
 
-from .kinematics import RobotKinematics
+from .kinematics import Kinematics, RobotKinematics
 from .settings import InverseSettings
 
 #: Postures drawn, steps of Newton's method for each, and the largest step of a joint [m, rad].
@@ -15,6 +15,10 @@ DOWN_RAD = 1e-6
 SINGULAR = InverseSettings.singular_value_threshold
 #: How far out from the base's axis the camera should be, in parts of its height above the target.
 OUT = 0.9
+#: The view: half of its width and height at a distance of 1 m, as of a camera of 81 by 65 degrees. [-]
+VIEW = np.array([0.86, 0.64])
+#: Half the thickness of an arm, and points on the line from one joint to the next. [m], [-]
+THICKNESS_M, ON_LINE = 0.07, 6
 #: A joint nearer to its limit than this part of its range counts as near it.
 NEAR_LIMIT = 0.2
 
@@ -28,8 +32,32 @@ def least_singular_value(kinematics: RobotKinematics, q: np.ndarray) -> float:
     return float(np.linalg.svd(J, compute_uv=False)[-1])
 
 
-def find_home(kinematics: RobotKinematics, above_m: float = 0.0,
-              near: Optional[np.ndarray] = None) -> Tuple[Optional[np.ndarray], float]:
+def points_of(urdf_xml: str, base_link: str, links: Sequence[str],
+              joint_names: Sequence[str]) -> Callable[[np.ndarray], np.ndarray]:
+    """Returns a function: q, (n,) in the order of joint_names -> points along the arm in the base, (k, 3) [m].
+
+    Args: links: those that the joints of the chain move, from the base on.
+    """
+    chains = [Kinematics(urdf_xml, base_link, link) for link in links]
+    picked = [[list(joint_names).index(name) for name in chain.joint_names] for chain in chains]
+    parts = np.linspace(0.0, 1.0, ON_LINE)[:, None]
+
+    def points(q: np.ndarray) -> np.ndarray:
+        ends: List[np.ndarray] = [np.zeros(3)] + [chain.pose(q[some])[:3, 3] for chain, some in zip(chains, picked)]
+        return np.concatenate([start + parts * (end - start) for start, end in zip(ends, ends[1:])])
+    return points
+
+
+def in_view(X_BC: np.ndarray, points: np.ndarray, depth_m: float) -> bool:
+    """Whether the camera sees one of the points, (k, 3) in the base, not farther than depth_m and a half more."""
+    seen = (points - X_BC[:3, 3]) @ X_BC[:3, :3]
+    z = seen[:, 2]
+    inside = np.all(np.abs(seen[:, :2]) < z[:, None] * VIEW + THICKNESS_M, axis=1)
+    return bool(np.any(inside & (z > THICKNESS_M) & (z < 1.5 * depth_m)))
+
+
+def find_home(kinematics: RobotKinematics, above_m: float = 0.0, near: Optional[np.ndarray] = None,
+              points: Optional[Callable[[np.ndarray], np.ndarray]] = None) -> Tuple[Optional[np.ndarray], float]:
     """Searches a posture in which the camera looks along -z of the base, far from singularities and limits.
 
     Args:
@@ -37,6 +65,7 @@ def find_home(kinematics: RobotKinematics, above_m: float = 0.0,
             the view does not show the base.
         near: (n,) posture to begin with, which is only turned until the camera looks down; None tries GUESSES postures,
             the same in every call, and takes the best.
+        points: as of `points_of`: the view should not show them within the distance above_m.
     Returns:
         (q, least singular value): (n,) within the limits, or (None, 0) where no posture looks down.
     """
@@ -56,7 +85,8 @@ def find_home(kinematics: RobotKinematics, above_m: float = 0.0,
         room = np.minimum(q - lower, upper - q) / (upper - lower)
         out = np.hypot(place[0], place[1])
         return (least_singular_value(kinematics, q) * float(np.prod(np.minimum(1.0, room / NEAR_LIMIT)))
-                * min(1.0, out / max(OUT * above_m, 0.3 * reach_m)) * (1.0 if place[2] >= above_m else 0.1))
+                * min(1.0, out / max(OUT * above_m, 0.3 * reach_m)) * (1.0 if place[2] >= above_m else 0.1)
+                * (0.02 if points is not None and in_view(kinematics.pose(q), points(q), above_m) else 1.0))
     best = found[max(range(len(found)), key=score)]
     return best, least_singular_value(kinematics, best)
 

@@ -2,7 +2,7 @@
 
 from math import isfinite
 from pathlib import Path
-from typing import Iterator, List, Optional
+from typing import Dict, Iterator, List, Optional
 from xml.etree import ElementTree
 
 import numpy as np
@@ -17,6 +17,8 @@ from .kinematics import Kinematics
 MOST_TURN_RAD = 20 * np.pi
 #: Principal moments of a body fulfil a + b >= c; published figures are rounded to this part.
 TRIANGLE = 1e-3
+#: Hardware interfaces of transmissions for which there is a controller of positions.
+INTERFACES = ("PositionJointInterface", "EffortJointInterface")
 TURNING = ("revolute", "continuous", "prismatic")
 
 
@@ -28,6 +30,18 @@ def root_link(urdf_xml: str) -> str:
     if len(roots) != 1:
         raise ParameterError(f"root link: found {', '.join(roots) or 'none'}, allowed one link without a parent joint")
     return str(roots[0])
+
+
+def moved_links(urdf_xml: str, camera_link: str) -> List[str]:
+    """Returns the links that the joints of the chain to the camera move, from the root on."""
+    parents = {joint.find("child").get("link"): joint for joint in _parsed(urdf_xml).findall("joint")}
+    return [joint.find("child").get("link") for joint in _chain(parents, camera_link) if joint.get("type") != "fixed"]
+
+
+def hardware_interfaces(urdf_xml: str) -> Dict[str, str]:
+    """Returns joint -> hardware interface of its <transmission>, without `hardware_interface/`."""
+    return {joint.get("name"): (joint.findtext("hardwareInterface") or "").strip().rpartition("/")[2]
+            for transmission in _parsed(urdf_xml).findall("transmission") for joint in transmission.findall("joint")}
 
 
 def shortcomings(urdf_xml: str, tip_link: str, camera_link: str, folder: Optional[Path] = None,
@@ -54,6 +68,9 @@ def shortcomings(urdf_xml: str, tip_link: str, camera_link: str, folder: Optiona
     moving = [joint for joint in chain if joint.get("type") != "fixed"]
     faults += [fault for joint in moving for fault in _limit_faults(joint)]
     faults += [fault for joint in moving for fault in _inertia_faults(robot, joint.find("child").get("link"))]
+    faults += [f"joint {name}: transmission: found {interface}, allowed {', '.join(INTERFACES)}"
+               for name, interface in hardware_interfaces(urdf_xml).items()
+               if interface not in ("", *INTERFACES) and name in [joint.get("name") for joint in moving]]
     faults += _mesh_faults(robot, folder)
     if not moving:
         faults.append(f"chain: found no moving joint from {base} to {tip_link}, allowed at least 4")

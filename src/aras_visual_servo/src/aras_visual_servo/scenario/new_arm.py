@@ -9,10 +9,10 @@ from xml.etree import ElementTree
 import numpy as np
 import yaml
 
-from ..arm.home import find_home
+from ..arm.home import find_home, points_of
 from ..arm.kinematics import Kinematics
 from ..arm.reach import reach
-from ..arm.urdf_check import root_link, shortcomings
+from ..arm.urdf_check import hardware_interfaces, moved_links, root_link, shortcomings
 from ..ground.errors import ParameterError
 from ..ground.registry import one_of
 from ..spatial import rotation_rpy, rpy_of
@@ -21,6 +21,8 @@ from ..spatial import rotation_rpy, rpy_of
 AWAY_M, AWAY_RAD = (-0.03, 0.025, -0.04), 0.2
 #: Tilts at the start, of arms that can [rad].
 AWAY_TILT_RAD = (0.08, -0.06)
+#: PIDs of joints that take efforts: error that asks for the largest effort [m, rad], and d / p [s].
+FULL_EFFORT_AT, DAMPED_S = 0.02, 0.025
 SIX_AXES, FIVE_AXES = "six_dof_rectangle", "experiment_1"
 HEAD = """\
 # The arm {name}. It runs alone with the task below, and under any other scenario: extends: [{name}, SCENARIO], or
@@ -87,13 +89,14 @@ def arm_files(arm: NewArm, urdf_xml: str, folder: Optional[Path] = None) -> Tupl
     base = root_link(urdf_xml)
     kinematics = Kinematics(urdf_xml, base, arm.camera_link)
     near = None if arm.home is None else _near(arm.home, kinematics)
-    goal, _ = find_home(kinematics, arm.z_star_m, near)
+    points = points_of(urdf_xml, base, moved_links(urdf_xml, arm.camera_link), kinematics.joint_names)
+    goal, _ = find_home(kinematics, arm.z_star_m, near, points)
     if goal is None:
         raise ParameterError("home: found no posture near it in which the camera looks down, allowed one")
     goal = np.round(goal, 6)
     start = np.round(_start(kinematics, goal), 4)
     return (_head(arm) + _yaml(_scenario(arm, base, kinematics, goal, start)),
-            _yaml(_controllers(kinematics.joint_names)))
+            _yaml(_controllers(kinematics.joint_names, urdf_xml)))
 
 
 def _near(home, kinematics):
@@ -138,9 +141,18 @@ def _scenario(arm, base, kinematics, goal, start) -> Dict[str, Any]:
     return document
 
 
-def _controllers(names) -> Dict[str, Any]:
-    joints = {f"{name}_position_controller": {"type": "position_controllers/JointPositionController", "joint": name}
-              for name in names}
+def _controllers(names, urdf_xml) -> Dict[str, Any]:
+    joints: Dict[str, Dict[str, Any]] = {}
+    interfaces = hardware_interfaces(urdf_xml)
+    efforts = {joint.get("name"): float(joint.find("limit").get("effort"))
+               for joint in ElementTree.fromstring(urdf_xml).findall("joint") if joint.get("name") in names}
+    for name in names:
+        kind = "effort" if interfaces.get(name) == "EffortJointInterface" else "position"
+        joints[f"{name}_position_controller"] = {"type": f"{kind}_controllers/JointPositionController", "joint": name}
+        if kind == "effort":
+            p = efforts[name] / FULL_EFFORT_AT
+            joints[f"{name}_position_controller"]["pid"] = {"p": p, "i": p / 10, "d": p * DAMPED_S,
+                                                            "i_clamp": efforts[name]}
     return {"joint_state_controller": {"type": "joint_state_controller/JointStateController", "publish_rate": 100},
             **joints}
 
