@@ -144,7 +144,7 @@ def _scenario(arm, base, kinematics, goal, start) -> Dict[str, Any]:
 def _controllers(names, urdf_xml) -> Dict[str, Any]:
     joints: Dict[str, Dict[str, Any]] = {}
     interfaces = hardware_interfaces(urdf_xml)
-    efforts = {joint.get("name"): float(joint.find("limit").get("effort"))
+    efforts = {joint.get("name"): float(joint.find("limit").get("effort", "0"))
                for joint in ElementTree.fromstring(urdf_xml).findall("joint") if joint.get("name") in names}
     for name in names:
         kind = "effort" if interfaces.get(name) == "EffortJointInterface" else "position"
