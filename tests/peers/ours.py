@@ -12,6 +12,9 @@ ROBOTS = {
     "gantry and five joints": "src/aras_description/urdf/aras_arm.urdf",
     "six axes": "src/aras_description/urdf/aras_arm_6axis.urdf",
 }
+#: The named arms: name -> URDF.
+ARMS = {path.parent.name: str(path.relative_to(WORKSPACE))
+        for path in sorted((WORKSPACE / "src/aras_description/arms").glob("*/arm.urdf"))}
 
 
 def _ask(command, asked):

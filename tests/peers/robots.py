@@ -6,7 +6,7 @@ import xml.etree.ElementTree as ElementTree
 import mujoco
 import numpy as np
 import pinocchio
-from ours import ROBOTS, WORKSPACE
+from ours import ARMS, ROBOTS, WORKSPACE
 
 GRAVITY = (0.0, 0.0, -9.81)
 
@@ -106,5 +106,5 @@ def _without_limits_of_continuous(urdf):
 
 @functools.lru_cache(maxsize=None)
 def robot(name):
-    """One of ROBOTS, `bare`."""
-    return Robot(bare((WORKSPACE / ROBOTS[name]).read_text()))
+    """One of ROBOTS or ARMS, `bare`."""
+    return Robot(bare((WORKSPACE / {**ROBOTS, **ARMS}[name]).read_text()))

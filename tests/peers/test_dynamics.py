@@ -95,6 +95,22 @@ def test_jacobian_of_the_camera(name, compared):
     compared(f"Jacobian of the camera by the controller, {name}", "Pinocchio", jacobians, SAME)
 
 
+def test_named_arms(compared):
+    masses, jacobians, tip = [], [], "camera_optical_frame"
+    for name in ours.ARMS:
+        one = robot(name)
+        states = one.states(STATES // 5, seed=6)
+        found = ours.kinematics(one.urdf, "world", tip, [one.named(q) for q, _, _ in states])
+        for (q, _, _), (_, J), answer in zip(states, found, answers(one, states)):
+            M = one.matrix_from_pin(pinocchio.crba(one.pin, one.data, one.to_pin(q)))
+            masses.append(off(answer["mass_matrix"], M))
+            expected = pinocchio.computeFrameJacobian(one.pin, one.data, one.to_pin(q), one.pin.getFrameId(tip),
+                                                      pinocchio.ReferenceFrame.LOCAL)
+            jacobians.append(off(J, one.from_pin(expected)))
+    compared("mass matrix, named arms", "Pinocchio", masses, SAME)
+    compared("Jacobian of the camera by the controller, named arms", "Pinocchio", jacobians, 1e-12)
+
+
 SWINGS = 20
 SWING_PERIOD_S, STEPS = 1e-3, 300
 #: MuJoCo's integrator Euler is the same scheme: what is left is rounding, which 0.3 s of swing make some 1e4 as large.

@@ -101,7 +101,8 @@ def repeat_line(arguments: argparse.Namespace) -> str:
         value = getattr(arguments, action.dest, None)
         if action.dest in NOT_REPEATED or value in (None, False, [], ()) or value == action.default:
             continue
-        values = [",".join(value)] if isinstance(value, tuple) else value if isinstance(value, list) else [str(value)]
+        values = [",".join(value)] if isinstance(value, tuple) else \
+            list(map(str, value)) if isinstance(value, list) else [str(value)]
         option = action.option_strings[:1]
         if value is True:
             words += option

@@ -31,12 +31,12 @@ def _completer(words: Callable[[str], List[str]]) -> Callable[..., List[str]]:
 
 def _scenarios(typed: str) -> List[str]:
     """Shipped scenarios, and YAML files in the folder that is typed."""
-    from ..config.files import scenario_names
+    from ..config.files import arm_names, scenario_names
     folder = os.path.dirname(typed)
     found = sorted(Path(folder or ".").glob("*.yaml")) + [path for path in Path(folder or ".").iterdir()
                                                           if folder and path.is_dir()]
     files = [os.path.join(folder, path.name) + "/" * path.is_dir() for path in found]
-    return [name for name in [*scenario_names(), *files] if name.startswith(typed)]
+    return [name for name in [*scenario_names(), *arm_names(), *files] if name.startswith(typed)]
 
 
 def _laws(_: str) -> List[str]:

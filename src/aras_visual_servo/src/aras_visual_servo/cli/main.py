@@ -19,7 +19,7 @@ VERBS: Dict[str, Tuple[str, str, str]] = {
     "compare": (STUDY, "compare", "compare sweeps, laws or single runs"),
     "benchmark": (STUDY, "benchmark", "run a published protocol and write its table"),
     "calibrate": (ROS, "calibrate", "calibrate a camera, its place on the arm, or the plane of the target"),
-    "robot": (CORE, "robot", "print the joints, limits and camera pose of an arm"),
+    "robot": (CORE, "robot", "print, check and add arms"),
     "scenario": (CORE, "scenario", "list, print, begin and check scenarios; print their keys"),
 }
 
@@ -30,6 +30,8 @@ def main(argv: Optional[List[str]] = None) -> int:
     typed = os.environ.get("COMP_LINE", "")[:int(os.environ.get("COMP_POINT", 0))].split(" ")
     if "_ARGCOMPLETE" in os.environ and len(typed) > 2 and typed[1] in VERBS:
         os.environ["_ARGCOMPLETE"], words = "2", [typed[1]]  # the words before the verb's own
+    if words[:1] == ["robot"] and len(words) > 1 and words[1] not in ("show", "check", "add", "-h", "--help"):
+        words.insert(1, "show")
     if words and words[0] in VERBS:
         return guarded(lambda: run_verb(f"{PROGRAM} {words[0]}", verb_named(words[0]), words[1:]))
     parser = argparse.ArgumentParser(

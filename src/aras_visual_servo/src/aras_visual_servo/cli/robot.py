@@ -1,11 +1,11 @@
-"""The verb `robot`: the arm of a scenario or of a URDF, as the controller sees it."""
+"""The verb `robot show | check | add`; `show`, which may be left out: an arm as the controller sees it."""
 
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
 import numpy as np
 
-from . import EXIT_PASSED, Command, file
+from . import EXIT_PASSED, Command, file, robot_add, robot_check
 
 
 def _options(parser: ArgumentParser) -> None:
@@ -37,7 +37,11 @@ def _work(arguments: Namespace) -> int:
     return EXIT_PASSED
 
 
-VERBS = {"robot": Command("Print the chain of joints that carries the camera, their limits, and where the camera is.",
-                          [("experiment_1", "the arm of a scenario"),
-                           ("arm.urdf --base-link world --tip-link camera_link", "an arm of your own")],
-                          _options, _work)}
+VERBS = {"robot": {
+    "show": Command("Print the chain of joints that carries the camera, their limits, and where the camera is.",
+                    [("experiment_1", "the arm of a scenario"),
+                     ("arm.urdf --base-link world --tip-link camera_link", "an arm of your own")],
+                    _options, _work),
+    "check": robot_check.COMMAND,
+    "add": robot_add.COMMAND,
+}}

@@ -9,9 +9,9 @@ from ..ground.errors import ParameterError
 
 
 def _list(arguments: Namespace) -> int:
-    from ..config.files import scenario_names
+    from ..config.files import arm_names, scenario_names
     from ..scenario.scenario import load_scenario
-    for name in scenario_names():
+    for name in [*scenario_names(), *arm_names()]:
         print(f"{name:<28} {load_scenario(name).description}")
     return EXIT_PASSED
 
@@ -82,7 +82,7 @@ def _keys(arguments: Namespace) -> int:
 
 
 VERBS = {"scenario": {
-    "list": Command("List the scenarios that come with the package.", [("", "every name, with what it is")],
+    "list": Command("List the scenarios and arms that come with the package.", [("", "every name, with what it is")],
                     lambda parser: None, _list),
     "show": Command("Print a scenario as it runs: with all that it extends and with what is changed.",
                     [("experiment_2 --set sim.seed=3", "with another seed"), ("mine.yaml", "a file of your own")],

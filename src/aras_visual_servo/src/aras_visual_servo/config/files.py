@@ -151,14 +151,26 @@ def find_scenario(name_or_path: Union[str, Path]) -> Path:
         if not os.path.isfile(text):
             raise ParameterError(f"scenario: found {text}, allowed a file: there is none of this name")
         return Path(text).resolve()
+    if text in arm_names():
+        return _arms() / text / "scenario.yaml"
     if text not in scenario_names():
-        raise ParameterError(f"scenario: found {text}, allowed the path of a file or {one_of(scenario_names(), text)}")
+        known = [*scenario_names(), *arm_names()]
+        raise ParameterError(f"scenario: found {text}, allowed the path of a file or {one_of(known, text)}")
     return share_dir() / "config" / "scenarios" / f"{text}.yaml"
 
 
 def scenario_names() -> List[str]:
-    """Returns the names of the scenarios that come with the package, sorted."""
+    """Returns the names of the scenarios that come with the package, sorted; arms have names of their own."""
     return sorted(path.stem for path in (share_dir() / "config" / "scenarios").glob("*.yaml"))
+
+
+def arm_names() -> List[str]:
+    """Returns the names of the arms of aras_description, sorted. Each runs as a scenario of its name."""
+    return sorted(path.parent.name for path in _arms().glob("*/scenario.yaml"))
+
+
+def _arms():
+    return (package_path("aras_description") or Path()) / "arms"
 
 
 class _UniqueKeyLoader(yaml.CSafeLoader):

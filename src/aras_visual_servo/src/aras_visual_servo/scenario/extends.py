@@ -1,8 +1,12 @@
 """Scenarios that say only in what they differ from another one, and the lines of files that say it.
 
 `extends: experiment_1` names a scenario of this package, `extends: PATH.yaml` a file, relative to the one that says so.
-The rules are those of a JSON Merge Patch (RFC 7396) and two more of our own, see `merge`. A file that names a URDF does
-not inherit numbers by joint (goal, start, weights, ...) of joints that this robot lacks.
+In a list, `extends: [ur5e, six_dof_points]`, what an entry says goes before what those after it say, as with the
+base classes of a Python class. The rules are those of a JSON Merge Patch (RFC 7396) and two more of our own, see
+`merge`. A file that names a URDF does not inherit numbers by joint (goal, start) of joints that this robot lacks.
+
+An arm is a scenario with a `task`: the scenario that it runs where none is named. `robot: ur5e` puts an arm first in
+the list.
 """
 
 import os
@@ -10,7 +14,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import is_dataclass
 from pathlib import Path
-from typing import Any, Dict, List, Tuple
+from typing import Any, Dict, List, Optional, Tuple
 from xml.etree import ElementTree
 
 import yaml
@@ -28,6 +32,8 @@ from .schema import SECTIONS
 
 #: Not inherited: a scenario has a name and a description of its own.
 OWN = ("name", "description", "extends")
+#: Key of an arm: the scenario beneath it, where the arm is not put over another one.
+TASK = "task"
 #: Keys that name a file; in a scenario that is extended from another folder they stay relative to their own.
 FILE_KEYS = ("urdf", "controllers", "file", "mesh")
 _BY_FEATURE = tuple(key.name for key in keys_of(ServoSettings) if key.by == "feature")
@@ -48,45 +54,101 @@ _BY_JOINT = (("sim", "initial_positions"), *(path for name, section in _SECTIONS
 _KEY = re.compile(r"[A-Za-z_]\w*(?:\.\w+)*")
 
 
-def load_resolved(path: Path) -> Tuple[Dict[str, Any], List[Path]]:
+def load_resolved(path: Path, robot: Optional[str] = None) -> Tuple[Dict[str, Any], List[Path]]:
     """Reads a scenario file with everything that it extends in place.
 
+    Args:
+        robot: name or path of an arm that takes the place of the scenario's.
     Returns:
-        (document, files): nested dict without `extends`, with marks as of `merge`; the files that it is made of,
-            the first extended one first.
+        (document, files): nested dict without `extends`, `task` and names of arms, with marks as of `merge`; the files
+            that it is made of, the first extended one first.
     Raises:
         ParameterError: a file cannot be read, nobody knows the name, or the way leads in a circle.
     """
-    return _load(Path(path), ())
+    path = Path(path)
+    document, files = _load(path, ())
+    if robot is not None:
+        own = {"name": document.get("name"), "description": document.get("description", "")}
+        document, files = _extended([(f"--set robot={robot}", robot)], document, files, Path(), (), arm=True)
+        document.update(own, name=f"{document.get('name')}_{own['name']}")
+    way = tuple(file.resolve() for file in files)
+    while TASK in document:
+        where, beneath = f"{path}: {TASK}", document.pop(TASK)
+        found = _found(beneath, where, path.parent)
+        if found in way:
+            raise ParameterError(f"{where}: found {shown(beneath)}, allowed a scenario that does not lead back here")
+        way = (*way, found)
+        base, its = _load(found, way)
+        document, files = _over(document, anchored(base, found.parent), path.parent), [*its, *files]
+    return document, files
 
 
 def _load(path, way):
     document = with_places(load_yaml(path), path.parent)
-    if "extends" not in document:
+    if isinstance(document.get(TASK), str) and _is_path(document[TASK]):
+        document[TASK] = os.path.join(path.parent, os.path.expanduser(document[TASK]))
+    arm = document["robot"] if isinstance(document.get("robot"), str) else None
+    if "extends" not in document and arm is None:
         return document, [path]
-    where = f"{path}:{_lines(path)[('extends',)]}: extends"
-    base = document["extends"]
+    lines = _lines(path)
+    base = document.get("extends", [])
+    several = isinstance(base, list) and (base or arm)
+    bases = [(f"{path}:{lines[('extends', i) if several else ('extends',)]}: extends", name)
+             for i, name in enumerate(base if several else [base])]
+    merged: Dict[str, Any] = {}
+    files: List[Path] = []
+    if bases:
+        merged, files = _extended(bases, merged, files, path, way)
+    if arm is not None:
+        del document["robot"]
+        merged, files = _extended([(f"{path}:{lines[('robot',)]}: robot", arm)], merged, files, path, way, arm=True)
+    return _over(document, merged, path.parent), [*files, path]
+
+
+def _extended(bases, merged, files, path, way, arm=False):
+    """`merged` under what the `bases`, pairs (where, name), say in full; and the files, with theirs."""
+    way, whole = (*way, path.resolve()), bool(merged) and TASK not in merged
+    for where, name in reversed(bases):
+        found = _found(name, where, path.parent)
+        if found in way:
+            circle = [*way[way.index(found):], found]
+            raise ParameterError(f"{where}: leads in a circle, {' -> '.join(file.stem for file in circle)}")
+        extended, its = _load(found, way)
+        if arm and TASK not in extended:
+            raise ParameterError(f"{where}: found {shown(name)}, allowed the name of an arm or the path of its "
+                                 f"scenario: this one has no `{TASK}`")
+        whole = whole or TASK not in extended
+        if found.parent != path.resolve().parent:
+            extended = anchored(extended, found.parent)
+        merged, files = _over(extended, merged, found.parent), [*files, *its]
+    return {key: value for key, value in merged.items() if not (whole and key == TASK)}, files
+
+
+def _is_path(name):
+    return os.sep in name or name.endswith((".yaml", ".yml"))
+
+
+def _found(base, where, folder):
+    """The path of an extended scenario. Raises ParameterError: the value is no name, or there is no such scenario."""
     if not isinstance(base, str) or not base:
-        raise ParameterError(f"{where}: found {shown(base)}, allowed the name of a scenario or the path of a file")
-    if os.sep in base or base.endswith((".yaml", ".yml")):
-        base = os.path.join(path.parent, os.path.expanduser(base))
+        raise ParameterError(f"{where}: found {shown(base)}, allowed the name of a scenario or the path of a file, or "
+                             "a list of these")
+    if _is_path(base):
+        base = os.path.join(folder, os.path.expanduser(base))
     try:
-        found = find_scenario(base).resolve()
+        return find_scenario(base).resolve()
     except ParameterError as error:
         raise ParameterError(f"{where}: {error}") from None
-    way = (*way, path.resolve())
-    if found in way:
-        circle = [*way[way.index(found):], found]
-        raise ParameterError(f"{where}: leads in a circle, {' -> '.join(file.stem for file in circle)}")
-    extended, files = _load(found, way)
-    if found.parent != path.resolve().parent:
-        extended = anchored(extended, found.parent)
-    merged = merge(extended, document)
-    joints = _joints_of(document, path.parent)
+
+
+def _over(document, base, folder):
+    """`merge`, and numbers of joints that the robot of `document` lacks go."""
+    merged = merge(base, document)
+    joints = _joints_of(document, folder)
     if joints:
         for table in _BY_JOINT:
             _keep(merged, document, table, joints)
-    return merged, [*files, path]
+    return merged
 
 
 def _joints_of(document, folder):

@@ -121,13 +121,15 @@ def load_scenario(name_or_path: Union[str, Path], overrides: Optional[Mapping[st
 
     Args:
         name_or_path: name of a file of config/scenarios (without .yaml), or path of a YAML file.
-        overrides: dotted path -> value, as of `Scenario.with_overrides`.
+        overrides: dotted path -> value, as of `Scenario.with_overrides`; "robot" may be the name of an arm.
     Raises:
         ParameterError: no such scenario, not YAML, or faults in it: all of them, one line each, with file and line.
     """
     path = find_scenario(name_or_path)
-    document, files = load_resolved(path)
-    return _checked(document, path.parent, path, tuple(files), overrides or {})
+    overrides = dict(overrides or {})
+    robot = overrides.pop("robot") if isinstance(overrides.get("robot"), str) else None
+    document, files = load_resolved(path, robot)
+    return _checked(document, path.parent, path, tuple(files), overrides)
 
 
 def scenario_from_dict(document: Mapping[str, Any], source: str = "scenario", base: Optional[Path] = None,

@@ -37,6 +37,8 @@ def folder(tmp_path_factory):
     for name, language in (("my_servo.py", "python"), ("mine.yaml", "yaml")):
         (folder / name).write_text(re.search(rf"```{language}\n(.*?)```", page, re.DOTALL)[1])
     (folder / "arm.urdf").write_text(load_scenario("experiment_1").urdf_xml())
+    page = (DOCS / "your_arm.md").read_text()
+    (folder / "my_arm.urdf").write_text(re.search(r"```xml\n(.*?)```", page, re.DOTALL)[1])
     code, said = run(folder, "sweep", "experiment_1", "--starts", "2", "--workers", "0", "--name", "STAMP", "--set",
                      "servo.time_limit_s=0.5")
     assert code == 0, said
@@ -203,19 +205,25 @@ def test_over_ros_the_launch_gets_the_changes(tmp_path, monkeypatch):
     assert given == load_scenario("experiment_2", {"servo.gains_per_s.xn": 1.5}).as_dict()
 
 
-def test_the_launch_file_loads_what_a_scenario_extends_and_what_set_says():
-    said = subprocess.run(["roslaunch", "--dump-params", "aras_visual_servo_controller", "servo.launch",
+@pytest.mark.parametrize("arm", ["", "ur5e"])
+def test_the_launch_file_loads_what_a_scenario_extends_and_what_set_says(arm):
+    said = subprocess.run(["roslaunch", "--dump-params", "aras_visual_servo_controller", "servo.launch", f"arm:={arm}",
                            "scenario:=experiment_2", "set:=sim.seed=3 servo.gains_per_s.xn=1.5"], check=True,
                           stdout=subprocess.PIPE, timeout=240).stdout
-    found = yaml.safe_load(said)
-    expected = load_scenario("experiment_2", {"sim.seed": 3, "servo.gains_per_s.xn": 1.5}).as_dict()
+    found, robot = yaml.safe_load(said), {"robot": arm} if arm else {}
+    whole = load_scenario("experiment_2", {**robot, "sim.seed": 3, "servo.gains_per_s.xn": 1.5})
+    expected = whole.as_dict()
+    assert found["/aras_visual_servo/robot_description"] == whole.urdf_xml()
+    for name, controller in whole.controllers().items():
+        assert found[f"/aras_visual_servo/{name}/type"] == controller["type"]
     scenario = found["/aras_visual_servo/scenario"]
     assert {key: scenario[key] for key in expected if key != "time"} == {
         key: value for key, value in expected.items() if key != "time"}
     assert scenario["time"] == {**expected["time"], "start_paused": True}
     assert not [name for name in found if name.startswith("/aras_visual_servo/scenario/")]  # one parameter, no conflict
-    assert found["/aras_visual_servo/experiment/repeat"] == ("aras-servo run experiment_2 --ros --set sim.seed=3 "
-                                                             "--set servo.gains_per_s.xn=1.5")
+    assert found["/aras_visual_servo/experiment/repeat"] == (
+        f"aras-servo run experiment_2 --ros{' --set robot=' * bool(arm)}{arm} --set sim.seed=3 "
+        "--set servo.gains_per_s.xn=1.5")
 
 
 def completed(line):

@@ -106,6 +106,46 @@ experiment: {goal: {joints: {gantry: 0.0, K1: 0.1}}, start: {joints: {J2: null, 
     assert set(load_scenario(written(tmp_path, "camera", camera)).experiment["goal"]) == {"camera"}
 
 
+def written_arm(folder):
+    """An arm of other joint names than those of the scenarios, as a scenario with a task."""
+    with_robot(folder, "K1", "K2", "K3", "K5", "K6")
+    return written(folder, "arm", """
+name: arm
+task: experiment_2
+robot: {urdf: arm.urdf}
+experiment: {goal: {joints: {gantry: 0.05, K2: -0.1}}, start: {joints: {gantry: 0.0, K2: 0.2}}, z_star_m: 0.6}
+""")
+
+
+def test_an_arm_is_put_over_its_task_or_over_the_scenario_that_is_named_with_it(tmp_path):
+    arm = written_arm(tmp_path)
+    (tmp_path / "far").mkdir()
+    alone = load_scenario(arm)
+    assert alone.servo == load_scenario("experiment_2").servo and alone.experiment["z_star_m"] == 0.6
+    assert alone.experiment["goal"]["joints"] == {"gantry": 0.05, "K2": -0.1} and alone.name == "arm"
+    texts = {"listed": "extends: [../arm.yaml, six_dof_hybrid]", "named": "extends: six_dof_hybrid\nrobot: ../arm.yaml",
+             "chain": "extends: [mine.yaml, six_dof_hybrid]"}
+    written(tmp_path / "far", "mine", "name: mine\nextends: ../arm.yaml\n")
+    for name, text in texts.items():
+        both = load_scenario(written(tmp_path / "far", name, f"name: both\n{text}\n"))
+        assert both.servo == load_scenario("six_dof_hybrid").servo
+        assert {**both.experiment, "judge": None} == {**alone.experiment, "judge": None}
+        assert both.urdf_path == tmp_path / "arm.urdf"
+    over = load_scenario("six_dof_hybrid", {"robot": str(arm), "sim.seed": 3})
+    assert over.experiment == both.experiment and over.robot == both.robot and over.sim["seed"] == 3
+    mine = load_scenario(tmp_path / "far" / "mine.yaml")
+    assert mine.servo == alone.servo and mine.experiment == alone.experiment
+    task = load_scenario(written(tmp_path, "task", "name: task\nextends: arm.yaml\ntask: six_dof_hybrid\n"))
+    assert task.servo == both.servo and task.experiment == both.experiment
+
+
+def test_a_robot_that_is_no_arm_and_a_task_that_leads_back_are_faults(tmp_path):
+    [fault] = faults(written(tmp_path, "mine", "name: mine\nextends: experiment_1\nrobot: experiment_2\n"))
+    assert fault.startswith(f"{tmp_path}/mine.yaml:3: robot: found experiment_2,")
+    [fault] = faults(written(tmp_path, "back", "name: back\ntask: back.yaml\n"))
+    assert fault.startswith(f"{tmp_path}/back.yaml: task: found")
+
+
 def test_a_circle_names_its_way(tmp_path):
     written(tmp_path, "b", "name: b\nextends: ./c.yaml\n")
     written(tmp_path, "c", "name: c\nextends: ./a.yaml\n")
@@ -115,7 +155,7 @@ def test_a_circle_names_its_way(tmp_path):
 
 @pytest.mark.parametrize("extended, said", [
     ("experimnt_1", "found experimnt_1,"), ("experimnt_1", "did you mean experiment_1?"),
-    ("no/such.yaml", "no/such.yaml"), ("[a]", "found [a],")])
+    ("no/such.yaml", "no/such.yaml"), ("[a]", "found a,"), ("[5]", "found 5,")])
 def test_a_name_that_nobody_knows_is_a_fault_with_its_line(tmp_path, extended, said):
     [fault] = faults(written(tmp_path, "mine", f"name: mine\n\nextends: {extended}\n"))
     assert fault.startswith(f"{tmp_path}/mine.yaml:3: extends: ") and said in fault
