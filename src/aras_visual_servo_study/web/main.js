@@ -4,6 +4,7 @@ import { Connection } from "./lib/connection.js";
 import { Model } from "./lib/model.js";
 import { bar } from "./lib/bar.js";
 import { notice } from "./lib/dom.js";
+import { why } from "./lib/why.js";
 
 const model = new Model();
 const connection = new Connection(model);
@@ -11,6 +12,7 @@ const page = { model, connection, ask: (request) => connection.ask(request) };
 
 window.aras = page;   // for tests, and for the curious
 bar(page, document.querySelector("#bar"));
+why(page, document.querySelector("#why"));
 model.on("connection", (state) => notice("connection", state === "open" ? "" : "The run cannot be reached; trying again."));
 connection.open();
 

@@ -8,6 +8,7 @@ import yaml
 
 from aras_visual_servo import (TWIST_NAMES, Features, ParameterError, RobotKinematics, Scenario, Servo, ServoRecord,
                                Status, known_features, known_laws, scenario_schema, spatial, styles)
+from .advice import Moment, Seen, advice
 from .following import Following
 from .hand import Hand
 from .settings import AT_ONCE, changed
@@ -47,6 +48,9 @@ class PageRun:
         self.features: Optional[Features] = None
         self.goal: Optional[Tuple[np.ndarray, Dict[str, Any], List[float]]] = None
         self.X_WC, self.taught, self._marked, self._marks = np.eye(4), False, None, {}
+        self._seen: Optional[Seen] = None
+        self._advised: Optional[Tuple[Status, str, str]] = None
+        self._advice = "", ""
         self.waiting: Set[str] = set()
         self.version += 1
 
@@ -80,19 +84,30 @@ class PageRun:
 
     def row(self, real_time_factor: float) -> List[Optional[float]]:
         """Returns the numbers of the last image that curves show (`rows` of `about`), None where one does not exist."""
-        record = self.record
+        record, centre = self.record, self.marks()["centre"]
+        if centre is not None:
+            self._seen = Seen(record.stamp_ns * 1e-9, *centre)
         numbers = [record.stamp_ns * 1e-9, *record.e, *record.twist, *record.q, record.cond_l, record.manipulability,
                    real_time_factor, *self.X_WC[:3, 3]]
-        return [rounded(x) for x in numbers] + list(self.marks()["centre"] or (None, None))
+        return [rounded(x) for x in numbers] + list(centre or (None, None))
 
     def state(self) -> Dict[str, Any]:
         """Returns what moves, for JSON."""
         record = self.record
         return {"t": round(self.time_ns * 1e-9, 4), "q": [rounded(x) for x in self.joints()],
                 "camera": pose_numbers(self.camera_pose()), "target": pose_numbers(self.target_pose()),
-                "status": (record.status if record else Status.IDLE).name,
-                "text": record.status_text if record else "", "phase": self.phase, "taught": self.taught,
-                "frame": self.frame, "follow": self.follow}
+                "phase": self.phase, "taught": self.taught, "frame": self.frame, "follow": self.follow,
+                **self.why(record.status if record else Status.IDLE, record.status_text if record else "")}
+
+    def why(self, status: Status, text: str) -> Dict[str, str]:
+        """Returns, for JSON, why the run is where it is (status, text), and what a user can do now (kind, advice)."""
+        q, moment = self.joints(), (status, text, self.phase)
+        if self._advised != moment and q is not None:
+            size = self.camera_info["width"], self.camera_info["height"]
+            self._advised = moment
+            self._advice = advice(Moment(*moment, self.kinematics, q, size, self._seen))
+        kind, now = self._advice
+        return {"status": status.name, "text": text, "kind": kind, "advice": now}
 
     def marks(self) -> Dict[str, Any]:
         """Returns what is drawn into the last image, see `marks_of`."""

@@ -15,7 +15,7 @@ from typing import Any, Dict, Optional
 
 import numpy as np
 
-from aras_visual_servo import ArasError
+from aras_visual_servo import ArasError, Status
 from .page_run import PageRun
 
 #: Wall time between two samples, and between two images [s].
@@ -210,6 +210,6 @@ class Runner:
         state: Dict[str, Any] = {"paused": self._paused, "speed": self._speed, "factor": round(self._factor, 3),
                                  **run.state()}
         if self._trouble:
-            state.update(status="FAULT", text=self._trouble)
+            state.update(run.why(Status.FAULT, self._trouble))
         number = 0 if self.sample is None else self.sample.number + 1
         self.sample = Sample(number, state, self._image, self._image_number, self._marks, self._goal, run.version)

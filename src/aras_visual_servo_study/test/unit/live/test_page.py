@@ -216,6 +216,16 @@ def fits_and_can_be_read(browser, dark):
     assert browser.value("[...document.querySelectorAll('.card')].every((one) => one.getBoundingClientRect().right "
                          "<= innerWidth)")
     assert browser.value("[...document.querySelectorAll('.chart')].length") == 6
+    # The longest reason is shown in full, and the status does not cover the clock.
+    reason = "for the last 19.9 s the arm could not do what was asked. " * 6
+    told, cut, apart = browser.value(
+        f"(() => {{ aras.model.emit('state', {{...aras.model.state, status: 'FAULT', phase: 'done', text: '{reason}'}}); "
+        "const all = [...document.querySelectorAll('#why, #why > p:not([role]), #status, #text')], "
+        "[a, b] = ['#status', '.clock'].map((one) => document.querySelector(one).getBoundingClientRect()); "
+        "return [document.querySelector('#text').innerText, all.some((one) => one.scrollWidth > one.clientWidth + 1 && "
+        "getComputedStyle(one).display !== 'inline'), a.right <= b.left || b.right <= a.left || a.bottom <= b.top || "
+        "b.bottom <= a.top]; })()")
+    assert told.lower().split() == reason.lower().split() and not cut and apart
     page, ink = browser.value("['backgroundColor', 'color'].map((key) => getComputedStyle(document.body)[key]"
                               ".match(/[0-9]+/g).map(Number).reduce((a, b) => a + b) / 3)")
     assert (page < 60 and ink > 180) if dark else (page > 200 and ink < 80)
