@@ -1,7 +1,10 @@
 // The arm, the target and the camera in three dimensions.
 import { button, card, el, isDark, notice } from "../lib/dom.js";
 import { meshOf } from "../lib/meshes.js";
+import { placeAt } from "../lib/model.js";
 import { hasWebGL, World } from "../lib/world.js";
+
+const STILL_MS = 500;
 
 const load = async (about) => Object.fromEntries(await Promise.all(about.robot.meshes.map(async (name) => {
   const answer = await fetch(`mesh/${name}`);
@@ -57,17 +60,21 @@ const make = (page) => {
     if (world && x !== undefined) world.setPath(rows.filter((row) => row[x] !== null).map((row) => [row[x], row[y], row[z]]));
   };
   model.on("about", (about) => build(about).catch((error) => notice("arm", error.message)));
-  model.on("state", (state) => world?.show(state));
-  model.on("image", ({ bitmap }) => world?.image(bitmap));
+  model.on("shown", (state) => world?.show(state));
+  model.on("picture", ({ bitmap }) => world?.image(bitmap));
+  model.on("past", (past) => path(past ? past.rows.slice(0, placeAt(past.rows, past.t) + 1) : model.rows));
   model.on("goal", (goal) => world?.setGoal(goal ? goal.pose : null));
   model.on("theme", () => world?.build(isDark()));
   let shown = 0;
-  model.on("rows", (rows) => { if (performance.now() - shown > 100) { shown = performance.now(); path(rows); } });
+  model.on("rows", (rows) => { if (!model.past && performance.now() - shown > 100) { shown = performance.now(); path(rows); } });
   build(model.about).catch((error) => notice("arm", error.message));
 
   canvas.addEventListener("webglcontextlost", (event) => { event.preventDefault(); notice("webgl", "The browser has taken the 3-D view away; reload the page to have it back."); });
-  const frame = () => {
+  let drawn = 0;
+  const frame = (now) => {
     if (world) {
+      if (now - drawn > STILL_MS) world.dirty = true;   // a browser may drop a picture that stands still, as one of the past does
+      if (world.dirty) drawn = now;
       world.size(canvas.clientWidth, canvas.clientHeight);
       world.draw();
       const [left, top, width, height] = world.inset();

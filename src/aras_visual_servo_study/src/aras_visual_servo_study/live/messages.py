@@ -33,6 +33,18 @@ class Start:
              "the goal that was taught last.")
 
 
+@REQUESTS.register("again", do="again")
+@dataclass(frozen=True)
+class Again:
+    """Drive to the start of the experiment and servo to the goal that was taught last."""
+
+
+@REQUESTS.register("draw_start", do="draw_start")
+@dataclass(frozen=True)
+class DrawStart:
+    """Ask for another start from which the target is in view; the answer has it as `start`, and nothing moves."""
+
+
 @REQUESTS.register("stop", do="stop")
 @dataclass(frozen=True)
 class Stop:

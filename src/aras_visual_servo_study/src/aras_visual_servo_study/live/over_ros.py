@@ -198,6 +198,12 @@ class RosRun(PageRun):
         self.hand.let_go()
         self._send_goal(request.reference)
 
+    def do_again(self, _request: Any) -> None:
+        self.do_start(Start())
+
+    def do_draw_start(self, _request: Any) -> Dict[str, Any]:
+        raise ParameterError("draw_start: over ROS the start is read when the nodes begin; allowed: `aras-servo live`")
+
     def do_stop(self, _request: Any) -> None:
         self.hand.let_go()
         call_service("stop", Trigger)

@@ -98,6 +98,13 @@ class LiveRun(PageRun):
             self.loop.sequence = self._sequence(self.servo, self.scenario)
         self._begin(request.reference == "taught")
 
+    def do_again(self, _request: Any) -> None:
+        if self.servo.reference is None:
+            raise ParameterError("again: nothing was taught yet; run the experiment, or teach this view first")
+        self.loop.sequence = self._sequence(self.servo, self.scenario)
+        self.hand.let_go()
+        self.loop.start(again=True)
+
     def do_stop(self, _request: Any) -> None:
         self.hand.let_go()
         if self.phase not in QUIET:

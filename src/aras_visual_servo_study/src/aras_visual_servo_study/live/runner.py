@@ -4,26 +4,26 @@ Requests wait in a queue until the thread is between two images. What a page see
 no more often than pages can show it, and only while somebody watches: without a viewer a run costs what it costs alone.
 """
 
-import collections
 import logging
 import queue
 import threading
 import time
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Any, Dict, Optional
+from typing import Any, Dict, List, Optional, Tuple
 
 import numpy as np
 
 from aras_visual_servo import ArasError, Status
+from .history import MOST_ROWS, thinned
 from .page_run import PageRun
 
 #: Wall time between two samples, and between two images [s].
 STATE_S, IMAGE_S = 1.0 / 60.0, 1.0 / 30.0
+#: Wall time between two rows of a servo that is watched: a fast one takes many images in a short wall time [s].
+SERVO_ROW_S = 0.005
 #: Wall time after which the real-time factor is measured anew [s].
 MEASURED_S = 0.5
-#: Rows kept for a page that comes later: ten minutes of them.
-MOST_ROWS = 18_000
 #: A run that has fallen this far behind its speed does not catch up [s].
 BEHIND_S = 0.1
 #: Longest that a run sleeps without looking for requests [s].
@@ -54,7 +54,8 @@ class Runner:
     Args: speed: simulated time per wall time, 0 as fast as possible.
         on_first_viewer: request that is done when the first page looks, or None.
     Attributes:
-        sample: the newest `Sample`, None before the first.  rows: (index, row) of the images, the newest last.
+        sample: the newest `Sample`, None before the first.  rows: (index, row) of images, the newest last; it may be
+        replaced by another list at any time, and grows at its end only.
         watched: whether somebody looks.  about: of the run, made in its thread.
     """
 
@@ -68,7 +69,7 @@ class Runner:
         self._trouble = ""
         self._image, self._image_number, self._marks, self._goal = None, 0, None, None
         self._row_at_s, self._row_count = -1.0, 0
-        self.rows = collections.deque(maxlen=MOST_ROWS)
+        self.rows: List[Tuple[int, List[Optional[float]]]] = []
         self.sample, self.watched, self.about = None, False, run.about()
         self._thread = threading.Thread(target=self._work, name="live run", daemon=True)
 
@@ -126,7 +127,7 @@ class Runner:
             names = self.about["rows"]
             self.about = self._run.about()
             if self.about["rows"] != names or request.do == "reset":
-                self.rows.clear()
+                self.rows = []
         elif request.do == "set":
             self.about = {**self.about, **self._run.standing()}
         if request.do in ("reset", "start"):
@@ -176,7 +177,7 @@ class Runner:
     def _measure(self):
         now = time.perf_counter(), self._run.time_ns
         if self._measured is not None and now[1] < self._measured[1]:
-            self.rows.clear()  # the simulator was reset
+            self.rows = []  # the simulator was reset
             self._measured = None
         if self._measured is None:
             self._measured = now
@@ -186,10 +187,13 @@ class Runner:
 
     def _note_row(self):
         wall_s = time.perf_counter()
-        if wall_s - self._row_at_s >= 0.9 * IMAGE_S or self._paused:
+        least_s = SERVO_ROW_S if self.watched and self._run.phase == "servo" else 0.9 * IMAGE_S
+        if self._paused or wall_s - self._row_at_s >= least_s:
             self._row_at_s = wall_s
             self.rows.append((self._row_count, self._run.row(self._factor)))
             self._row_count += 1
+            if len(self.rows) > MOST_ROWS:
+                self.rows = thinned(self.rows, lambda entry: entry[0])  # a new list: pages may be reading the old one
 
     def _show(self):
         """Make a new sample if somebody looks and it is time for one."""

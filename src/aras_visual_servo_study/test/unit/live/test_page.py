@@ -188,6 +188,47 @@ def test_the_buttons_pause_step_reset_and_start(serve, tmp_path):
         assert browser.said == []
 
 
+def test_time_goes_back_and_two_runs_lie_over_one_another(serve, tmp_path):
+    with Browser(tmp_path) as browser:
+        browser.open(serve("--idle", "--speed", "8"))
+        browser.wait(READY)
+        browser.click("#start")
+        browser.wait("aras.shared.run?.ended && aras.runs.all.length === 1")
+        # The curves hold the servo, with its moments.
+        began, converged = browser.value("aras.shared.run.marks.filter((one) => ['began', 'CONVERGED']"
+                                         ".includes(one.kind)).map((one) => one.t)")
+        assert browser.value("aras.charts.map((one) => [one.from, one.to])") == [[began, converged]] * 6
+        gains = {f"servo.gains_per_s.{name}": 6.0 for name in ("xn", "yn", "an", "alpha")}
+        browser.value(f"aras.ask({{do: 'set', values: {gains}}}).then(() => 1)")
+        browser.click("#again")
+        browser.wait("aras.runs.all.length === 2 && aras.shared.run?.ended")
+        browser.value("(() => { const over = document.querySelector('#over'); over.value = '1'; "
+                      "over.dispatchEvent(new Event('change')); return 1; })()")
+        browser.wait("aras.charts[0].others().length === 4")
+        shift = browser.value("aras.charts[0].others()[0].shift")
+        assert began + shift == pytest.approx(browser.value("aras.runs.all[1].from"))
+        # Back to a moment: slider, curves, view and image show the same one.
+        browser.click("#time")
+        browser.wait("aras.model.past && aras.shared.at === aras.model.past.t")
+        at, end_t = browser.value("[aras.shared.at, aras.shared.run.to]")
+        caption = browser.value("document.querySelector('.camera figcaption').innerText")
+        assert began < at < end_t and f"{at:.2f}" in caption
+        browser.value("window.shown = []; aras.model.on('shown', (state) => shown.push(state)); "
+                      "document.querySelector('[data-kind=began]').click(); 1")
+        q, first = browser.value("[shown[0].q, aras.model.past.rows[0].slice(11, 17)]")
+        assert len(q) == 6 and q == first
+        browser.value("aras.model.on('picture', (one) => { window.picture = one; }); "
+                      "document.querySelector('[data-kind=CONVERGED]').click(); 1")
+        browser.wait("!aras.model.fetching && picture")
+        marks, centre = browser.value("[picture.marks.centre, aras.model.past.rows.slice(-1)[0].slice(-5, -3)]")
+        assert marks == pytest.approx(centre, abs=0.5)
+        browser.click("#live-now")
+        browser.wait("!aras.model.past")
+        browser.click("#reset")
+        browser.wait("aras.model.state.phase === 'idle' && aras.runs.all.length === 2")
+        assert browser.said == []
+
+
 def test_without_webgl_the_page_says_so_and_keeps_the_rest(serve, tmp_path):
     with Browser(tmp_path) as browser:
         browser.open(serve())
@@ -219,12 +260,13 @@ def fits_and_can_be_read(browser, dark):
     # The longest reason is shown in full, and the status does not cover the clock.
     reason = "for the last 19.9 s the arm could not do what was asked. " * 6
     told, cut, apart = browser.value(
-        f"(() => {{ aras.model.emit('state', {{...aras.model.state, status: 'FAULT', phase: 'done', text: '{reason}'}}); "
+        "(() => { aras.model.emit('state', {...aras.model.state, status: 'FAULT', phase: 'done', text: "
+        f"'{reason}'}}); "
         "const all = [...document.querySelectorAll('#why, #why > p:not([role]), #status, #text')], "
         "[a, b] = ['#status', '.clock'].map((one) => document.querySelector(one).getBoundingClientRect()); "
-        "return [document.querySelector('#text').innerText, all.some((one) => one.scrollWidth > one.clientWidth + 1 && "
-        "getComputedStyle(one).display !== 'inline'), a.right <= b.left || b.right <= a.left || a.bottom <= b.top || "
-        "b.bottom <= a.top]; })()")
+        "return [document.querySelector('#text').innerText, all.some((one) => one.scrollWidth > one.clientWidth + 1 "
+        "&& getComputedStyle(one).display !== 'inline'), a.right <= b.left || b.right <= a.left || "
+        "a.bottom <= b.top || b.bottom <= a.top]; })()")
     assert told.lower().split() == reason.lower().split() and not cut and apart
     page, ink = browser.value("['backgroundColor', 'color'].map((key) => getComputedStyle(document.body)[key]"
                               ".match(/[0-9]+/g).map(Number).reduce((a, b) => a + b) / 3)")
