@@ -22,8 +22,8 @@ export const bar = (page, place) => {
   try { const kept = localStorage.getItem("theme"); if (kept) document.documentElement.dataset.theme = kept; } catch { /* as above */ }
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => model.emit("theme"));
   const buttons = {
-    start: button("Run", "Drive to the goal, teach it, drive to the start, servo", act({ do: "start", reference: "experiment" }), { class: "primary", id: "start" }),
-    servo: button("Servo", "Servo from here to the goal that was taught", act({ do: "start", reference: "taught" }), { id: "servo" }),
+    start: button("Run all", "Drive to the goal, teach it, drive to the start, servo", act({ do: "start", reference: "experiment" }), { class: "primary", id: "start" }),
+    servo: button("Servo from here", "Servo from where the arm is to the goal that was taught", act({ do: "start", reference: "taught" }), { id: "servo" }),
     stop: button("Stop", "Stop the arm", act({ do: "stop" }), { id: "stop" }),
     teach: button("Teach here", "This view becomes the goal", act({ do: "teach" }), { id: "teach" }),
     reset: button("Reset", "Begin anew, with the settings as they stand", act({ do: "reset" }), { id: "reset" }),
@@ -46,6 +46,7 @@ export const bar = (page, place) => {
     buttons.teach.disabled = !quiet;
     pause.textContent = state.paused ? "Go on" : "Pause";
     step.disabled = !state.paused;
+    if (![...speed.options].some((one) => one.value === String(state.speed))) speed.append(el("option", { value: state.speed }, `${state.speed} ×`));
     if (document.activeElement !== speed) speed.value = String(state.speed);
     follow.checked = state.follow;
     clock.textContent = `${state.t.toFixed(2)} s · ${state.factor.toFixed(state.factor < 10 ? 2 : 0)} ×${model.viewers > 1 ? ` · ${model.viewers} viewers` : ""}`;

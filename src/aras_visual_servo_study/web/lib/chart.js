@@ -1,5 +1,5 @@
 // A live plot on a canvas: series over time, linear or logarithmic, with zoom, read-out, PNG and CSV.
-import { download, el, onPage } from "./dom.js";
+import { download, el, onPage, symbol } from "./dom.js";
 import { clamp, ticks } from "./draw.js";
 import { placeAt } from "./model.js";
 
@@ -26,7 +26,7 @@ export class Chart {
         if (!this.hidden.delete(i)) this.hidden.add(i);
         chip.setAttribute("aria-pressed", String(!this.hidden.has(i)));
         this.draw();
-      } }, el("i", { class: "swatch" }), one.label, output);
+      } }, el("i", { class: "swatch" }), ...(one.symbol ? [el("span", {}, symbol(one.symbol), one.unit)] : [one.label]), output);
       chip.firstChild.style.background = onPage(one.colour);
       this.legend.append(chip);
       return output;

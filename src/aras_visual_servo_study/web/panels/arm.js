@@ -4,8 +4,6 @@ import { meshOf } from "../lib/meshes.js";
 import { placeAt } from "../lib/model.js";
 import { hasWebGL, World } from "../lib/world.js";
 
-const STILL_MS = 500;
-
 const load = async (about) => Object.fromEntries(await Promise.all(about.robot.meshes.map(async (name) => {
   const answer = await fetch(`mesh/${name}`);
   return [name, answer.ok ? meshOf(await answer.arrayBuffer()) : null];
@@ -27,7 +25,7 @@ const make = (page) => {
   };
   head.append(el("span", { class: "tools" },
     button("Home", "The view from where everything is seen", () => world?.home(), { class: "quiet" }),
-    toggle("Follow", "The view goes with the camera", false, () => { world?.follow(!world.follows); return world?.follows; }),
+    toggle("Ride along", "The view goes with the camera", false, () => { world?.follow(!world.follows); return world?.follows; }),
     toggle("Observer", "A second view, from an observer beside the arm", true, () => { if (world) { world.second = !world.second; world.dirty = true; inset.hidden = !world.second; } return world?.second; })));
   inset.onclick = () => { if (world) { world.swapped = !world.swapped; world.dirty = true; } };
 
@@ -70,11 +68,8 @@ const make = (page) => {
   build(model.about).catch((error) => notice("arm", error.message));
 
   canvas.addEventListener("webglcontextlost", (event) => { event.preventDefault(); notice("webgl", "The browser has taken the 3-D view away; reload the page to have it back."); });
-  let drawn = 0;
-  const frame = (now) => {
+  const frame = () => {
     if (world) {
-      if (now - drawn > STILL_MS) world.dirty = true;   // a browser may drop a picture that stands still, as one of the past does
-      if (world.dirty) drawn = now;
       world.size(canvas.clientWidth, canvas.clientHeight);
       world.draw();
       const [left, top, width, height] = world.inset();

@@ -10,7 +10,7 @@ const plain = (symbol) => symbol.replace("_", "");
 export const charts = (about, column) => {
   const units = [...new Set(about.features.map((feature) => feature.read_unit))];
   const errors = about.features.map((feature) => ({
-    name: `e_${feature.name}_${feature.read_unit}`, label: `${plain(feature.symbol)}${units.length > 1 ? ` ${feature.read_unit}` : ""}`, title: feature.label,
+    name: `e_${feature.name}_${feature.read_unit}`, label: `${plain(feature.symbol)}${units.length > 1 ? ` ${feature.read_unit}` : ""}`, title: `${feature.label}, threshold ${Number((feature.factor * feature.threshold).toPrecision(3))} ${feature.read_unit}`, symbol: feature.symbol, unit: units.length > 1 ? ` ${feature.read_unit}` : "",
     colour: feature.colour, value: times(feature.factor, column[`e.${feature.name}`]), level: feature.factor * feature.threshold }));
   const velocity = (letters, factor, unit) => letters.map((letter, i) => ({ name: `${letter}_${unit}`, label: letter, colour: XYZ[i], value: times(factor, column[`v.${letter}`]) }));
   const joints = about.joints.map((joint, i) => {

@@ -1,6 +1,7 @@
 // The target: where it is, and a motion for it.
 import { button, el, folding, notice } from "../lib/dom.js";
 import { kindOf, start } from "../lib/fields.js";
+import { keyWords, readIn } from "../lib/units.js";
 
 const make = (page) => {
   const { model } = page, { card: box, body } = folding("Target", true);
@@ -26,16 +27,16 @@ const make = (page) => {
     const fill = () => {
       const kind = choice.value && kindOf(kinds, { type: choice.value });
       form.replaceChildren(...(kind ? Object.entries(kind.properties).filter(([key]) => key !== "type").map(([key, schema]) => {
-        const first = GOOD[choice.value]?.[key] ?? start(schema);
-        const input = el("input", { type: "text", value: JSON.stringify(first), "data-key": key, spellcheck: "false", "aria-label": key });
-        return el("div", { class: "field", title: schema.description }, el("label", {}, key, schema.unit ? el("small", {}, ` ${schema.unit}`) : ""), input);
+        const first = GOOD[choice.value]?.[key] ?? start(schema), { factor, unit } = readIn(schema.unit);
+        const input = el("input", { type: "text", value: JSON.stringify(scaled(first, factor)), "data-key": key, "data-factor": factor, spellcheck: "false", "aria-label": `${keyWords(key)} ${unit}` });
+        return el("div", { class: "field", title: schema.description }, el("label", {}, keyWords(key), unit ? el("small", {}, ` ${unit}`) : ""), input);
       }) : []));
     };
     const give = button("Give it this motion", "From where it is, from now on", () => {
       if (!choice.value) { ask({ do: "move_target", motion: null }); return; }
       const motion = { type: choice.value };
       try {
-        for (const input of form.querySelectorAll("input")) motion[input.dataset.key] = JSON.parse(input.value);
+        for (const input of form.querySelectorAll("input")) motion[input.dataset.key] = scaled(JSON.parse(input.value), 1 / Number(input.dataset.factor));
       } catch (error) { notice("target", `motion: found no JSON: ${error.message}`); return; }
       ask({ do: "move_target", motion });
     }, { id: "give-motion" });
@@ -48,6 +49,9 @@ const make = (page) => {
   build(model.about);
   return box;
 };
+
+/** A number, or a list of them, times a factor; anything else as it is. */
+const scaled = (value, factor) => (factor === 1 ? value : Array.isArray(value) ? value.map((one) => scaled(one, factor)) : typeof value === "number" ? Number((factor * value).toPrecision(9)) : value);
 
 /** Motions that one sees and a servo can follow. */
 const GOOD = {

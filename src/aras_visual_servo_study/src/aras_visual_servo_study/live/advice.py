@@ -100,9 +100,9 @@ TABLE: Tuple[Tuple[str, Tuple[Status, ...], str, str], ...] = (
     ("singular", (*HELD, *ENDS), r"part of the twist cannot be achieved",
      "The arm is singular here: drag the target nearer, or stop and bend {way_out}."),
     ("lost_target_ended", (Status.STOPPED,), r"target lost",
-     "{last_seen}. Drag it back below the camera and press Servo, or press Again for another try."),
+     "{last_seen}. Drag it back below the camera and press \u201cServo from here\u201d, or press Again."),
     ("lost_target_at_start", (Status.TARGET_LOST,), r"at the start|where servoing starts|at the goal",
-     "{last_seen}. Drag it below the camera and press Servo, or press Run for another try."),
+     "{last_seen}. Drag it below the camera and press \u201cServo from here\u201d, or press Run all."),
     ("lost_target", (Status.TARGET_LOST,), "", "{last_seen}. Drag it back below the camera: the servo goes on."),
     ("stale_in_time_limit", (Status.TIMED_OUT,), r"no features|no image",
      "No images arrive: look at latency and lost frames under \u201cNoise, latency, exposure, light\u201d."),
@@ -111,7 +111,8 @@ TABLE: Tuple[Tuple[str, Tuple[Status, ...], str, str], ...] = (
     ("timed_out", (Status.TIMED_OUT,), "",
      "The error has not gone below its thresholds in time: watch whether it still falls (raise the gains or "
      "servo.time_limit_s), stays (raise the thresholds) or swings (lower the gains or the latency)."),
-    ("stopped", (Status.STOPPED,), "", "Servo goes on from here to the goal that was taught; Run begins anew."),
+    ("stopped", (Status.STOPPED,), "",
+     "\u201cServo from here\u201d goes on to the goal that was taught; Run all begins anew."),
     ("stale", (Status.STALE_INPUT,), "",
      "The arm waits for an image: look at latency and lost frames under \u201cNoise, latency, exposure, light\u201d."),
     ("held_at_end", (Status.FAULT,), JOINT, "Drive {joint} free by hand, or press Reset."),
@@ -120,7 +121,7 @@ TABLE: Tuple[Tuple[str, Tuple[Status, ...], str, str], ...] = (
      "Drag the target to see it followed, or change a gain and press Again to compare."),
     ("settled", (Status.SETTLED,), "",
      "These features do not tell more: use more pixels or samples, or features that see what is left."),
-    ("idle", (Status.IDLE,), "", "Run drives to the goal, teaches it, drives to the start and servoes."),
+    ("idle", (Status.IDLE,), "", "Run all drives to the goal, teaches it, drives to the start and servoes."),
 )
 _PATTERNS = [re.compile(pattern) for _, _, pattern, _ in TABLE]
 

@@ -39,7 +39,7 @@ class Hub:
         """A page has come: `viewer` has send(bytes or str), and gets attributes `behind` and `next_row`."""
         viewer.behind, viewer.next_row, viewer.image_number = 0, 0, -1
         self._viewers.append(viewer)
-        self._runner.watched = True
+        self._runner.watched = self._runner.attended = True
         viewer.send(_text(self._about_message()))
         if self._goal is not None:
             viewer.send(_goal_message(self._goal))
@@ -48,7 +48,7 @@ class Hub:
         """A page has gone."""
         if viewer in self._viewers:
             self._viewers.remove(viewer)
-        self._runner.watched = bool(self._viewers)
+        self._runner.watched = self._runner.attended = bool(self._viewers)
 
     @property
     def viewers(self) -> int:

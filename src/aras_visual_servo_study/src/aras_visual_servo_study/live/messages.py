@@ -106,6 +106,15 @@ class Set:
 
     values: object = setting(
         help="Value by path, e.g. `servo.gains_per_s.xn` or `sim.cameras.0.noise_stddev`; null takes a key out.")
+    reset: bool = setting(False, help="Begin anew with them, also with those that wait for a reset.")
+
+
+@REQUESTS.register("offer", do="offer")
+@dataclass(frozen=True)
+class Offer:
+    """Ask what has to be set so that another law can servo; nothing changes."""
+
+    law: str = setting(not_empty=True, help="Its name; the answer has `features`, `values` and `reset` for `set`.")
 
 
 @REQUESTS.register("place_target", do="place_target")

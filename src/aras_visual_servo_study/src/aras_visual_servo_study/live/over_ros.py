@@ -226,6 +226,8 @@ class RosRun(PageRun):
         call_service("sim/step", Step, max(1, round(request.images / rate_hz / sim.get("period_s", 0.001))))
 
     def do_set(self, request: Any) -> Dict[str, Any]:
+        if request.reset:
+            raise ParameterError("set.reset: found true; over ROS the simulator alone begins anew, allowed false")
         others = [path for path in (request.values or {}) if not acts_at_once(path, self.at_once)]
         if others:
             raise ParameterError(f"{', '.join(others)}: over ROS this is read when the nodes start; allowed are "

@@ -1,6 +1,7 @@
 """A run as pages see and change it. `run.LiveRun` is the backend in this process, `over_ros.RosRun` that over ROS."""
 
 import math
+import re
 from typing import Any, Dict, List, Optional, Sequence, Set, Tuple
 
 import numpy as np
@@ -8,15 +9,18 @@ import yaml
 
 from aras_visual_servo import (JOINT_HALF_WIDTH, TWIST_NAMES, Feasibility, Features, ParameterError, RobotKinematics,
                                Scenario, Servo, ServoRecord, Status, known_features, known_laws, scenario_schema,
-                               spatial, styles)
+                               spatial, styles, works_on)
 from .advice import Moment, Seen, advice
 from .following import Following
 from .hand import Hand
+from .offers import offer_for
 from .settings import AT_ONCE, changed
 from .view.projection import project
 from .view.scene import drawn, pose_numbers
 
 QUIET = ("idle", "done")
+#: The end of a name that stands for a number, as in xN, the first coordinate of point N.
+NUMBERED = re.compile("N$")
 #: How many random starts are tried to find one from which the target is in view.
 MOST_STARTS = 200
 #: Columns of a row that hold the poses of camera and target.
@@ -85,7 +89,11 @@ class PageRun:
             "draws_starts": not self.asks_nodes, "features": features,
             "scenario": self.scenario.name, "description": self.scenario.description,
             "rows": rows, "schema": scenario_schema()["properties"], "at_once": list(self.at_once),
-            "choices": {"servo.law": known_laws(), "servo.features": known_features()}, "version": self.version,
+            "choices": {"servo.law": known_laws(), "servo.features": known_features()},
+            "works_on": {name: works_on(name) for name in known_laws()},
+            "known": [{"name": style.name, "symbol": style.symbol, "label": style.label}
+                      for style in styles([NUMBERED.sub("1", name) for name in known_features()])],
+            "version": self.version,
             **self.standing()}
 
     def standing(self) -> Dict[str, Any]:
@@ -186,6 +194,12 @@ class PageRun:
     def do_joint(self, request: Any) -> None:
         self._quiet("joint")
         self.hand.hold(request.name, request.position, self.joints())
+
+    def do_offer(self, request: Any) -> Dict[str, Any]:
+        offer = offer_for(self.scenario, request.law)
+        # A goal that was taught with one source of features does not tell what another would see.
+        source = Servo(self.kinematics, changed(self.scenario, offer["values"]).servo).source
+        return {**offer, "reset": offer["reset"] or source is not self.servo.source}
 
     def do_draw_start(self, _request: Any) -> Dict[str, Any]:
         """Answers with joints drawn evenly about the goal's, within `JOINT_HALF_WIDTH`; the first that are feasible."""

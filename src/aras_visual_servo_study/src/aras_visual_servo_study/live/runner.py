@@ -56,7 +56,8 @@ class Runner:
     Attributes:
         sample: the newest `Sample`, None before the first.  rows: (index, row) of images, the newest last; it may be
         replaced by another list at any time, and grows at its end only.
-        watched: whether somebody looks.  about: of the run, made in its thread.
+        watched: whether a page is ready for news.
+        attended: whether a page is open.  about: of the run, made in its thread.
     """
 
     def __init__(self, run: PageRun, speed: float = 1.0, on_first_viewer: Any = None) -> None:
@@ -71,6 +72,7 @@ class Runner:
         self._row_at_s, self._row_count = -1.0, 0
         self.rows: List[Tuple[int, List[Optional[float]]]] = []
         self.sample, self.watched, self.about = None, False, run.about()
+        self.attended = False
         self._thread = threading.Thread(target=self._work, name="live run", daemon=True)
 
     def start(self) -> None:
@@ -126,7 +128,7 @@ class Runner:
         if self.about["version"] != self._run.version:
             names = self.about["rows"]
             self.about = self._run.about()
-            if self.about["rows"] != names or request.do == "reset":
+            if self.about["rows"] != names or request.do == "reset" or getattr(request, "reset", False):
                 self.rows = []
         elif request.do == "set":
             self.about = {**self.about, **self._run.standing()}
@@ -187,7 +189,7 @@ class Runner:
 
     def _note_row(self):
         wall_s = time.perf_counter()
-        least_s = SERVO_ROW_S if self.watched and self._run.phase == "servo" else 0.9 * IMAGE_S
+        least_s = SERVO_ROW_S if self.attended and self._run.phase == "servo" else 0.9 * IMAGE_S
         if self._paused or wall_s - self._row_at_s >= least_s:
             self._row_at_s = wall_s
             self.rows.append((self._row_count, self._run.row(self._factor)))

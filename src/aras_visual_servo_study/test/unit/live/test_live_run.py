@@ -207,6 +207,30 @@ def test_stop_stops_and_servo_goes_on_from_there(run):
     assert images(run, SERVO_IMAGES, ended) and run.record.status == Status.CONVERGED
 
 
+def test_a_law_comes_with_what_it_needs(run):
+    offer = run.do(ask.Offer("pbvs"))
+    assert offer["features"] == ["tx", "ty", "tz", "rx", "ry", "rz"] and not offer["reset"]
+    run.do(ask.Set(offer["values"]))
+    assert images(run, 3, ended) is False and servoing(run) and len(run.record.e) == 6
+    there = run.do(ask.Offer("photometric"))
+    assert there["reset"] and "vision.photometric" in there["values"]
+    run.do(ask.Set(there["values"], reset=True))
+    assert run.servo.feature_names == ("photometric",) and run.time_ns == 0 and run.waiting == set()
+    back = run.do(ask.Offer("decoupled"))
+    assert back["reset"]
+    with pytest.raises(ParameterError, match="servo.law: found magic"):
+        run.do(ask.Offer("magic"))
+    with pytest.raises(ParameterError, match="servo.sliding"):
+        run.do(ask.Offer("sliding"))
+
+
+def test_a_reset_with_settings_that_fail_leaves_the_run(run):
+    scenario, loop = run.scenario, run.loop
+    with pytest.raises(ParameterError):
+        run.do(ask.Set({"sim.cameras.0.width": -5}, reset=True))
+    assert run.scenario is scenario and run.loop is loop and images(run, 1) is False
+
+
 def test_again_servos_from_the_start_to_the_goal_that_stands(run):
     with pytest.raises(ParameterError, match="again: nothing was taught"):
         LiveRun(load_scenario("experiment_1")).do(ask.Again())
