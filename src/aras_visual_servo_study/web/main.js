@@ -18,6 +18,8 @@ bar(page, document.querySelector("#bar"));
 why(page, document.querySelector("#why"));
 model.on("connection", (state) => notice("connection", state === "open" ? "" : "The run cannot be reached; trying again."));
 connection.open();
+const top = document.querySelector("#top");
+new ResizeObserver(() => document.documentElement.style.setProperty("--top", `${top.offsetHeight}px`)).observe(top);
 
 const names = await (await fetch("panels.json")).json();
 await model.first("about");

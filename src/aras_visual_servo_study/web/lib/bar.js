@@ -1,7 +1,7 @@
 // The head of the page: what runs, how it is, and the buttons that everybody needs.
 import { button, el, isDark, notice } from "./dom.js";
 
-const SPEEDS = [[0.1, "0.1 ×"], [0.25, "0.25 ×"], [0.5, "0.5 ×"], [1, "1 ×"], [2, "2 ×"], [5, "5 ×"], [0, "as fast as possible"]];
+const SPEEDS = [[0.1, "0.1 ×"], [0.25, "0.25 ×"], [0.5, "0.5 ×"], [1, "1 ×"], [2, "2 ×"], [5, "5 ×"], [0, "fastest"]];
 
 export const bar = (page, place) => {
   const { model } = page;
@@ -11,14 +11,14 @@ export const bar = (page, place) => {
   const name = el("h1");
   const pause = button("Pause", "Let simulated time stand still, or go on (space)", () => act({ do: "pause", paused: !model.state?.paused })(), { id: "pause" });
   const step = button("Step", "One image more", act({ do: "step" }), { id: "step" });
-  const speed = el("select", { title: "Simulated time per wall time", id: "speed", onchange: () => act({ do: "speed", factor: Number(speed.value) })() },
+  const speed = el("select", { title: "Simulated time per wall time", "aria-label": "simulated time per wall time", id: "speed", onchange: () => act({ do: "speed", factor: Number(speed.value) })() },
     ...SPEEDS.map(([value, label]) => el("option", { value }, label)));
   const follow = el("input", { type: "checkbox", id: "follow", onchange: () => act({ do: "follow", follow: follow.checked })() });
   const theme = button("◐", "Light or dark", () => {
     document.documentElement.dataset.theme = isDark() ? "light" : "dark";
     try { localStorage.setItem("theme", document.documentElement.dataset.theme); } catch { /* a private window */ }
     model.emit("theme");
-  }, { class: "quiet", id: "theme" });
+  }, { class: "quiet", id: "theme", "aria-label": "light or dark" });
   try { const kept = localStorage.getItem("theme"); if (kept) document.documentElement.dataset.theme = kept; } catch { /* as above */ }
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => model.emit("theme"));
   const buttons = {
@@ -33,7 +33,8 @@ export const bar = (page, place) => {
     name,
     el("div", { class: "buttons" }, buttons.start, buttons.servo, buttons.stop, buttons.teach, el("i"), pause, step, speed, el("i"), buttons.reset,
       el("label", { class: "check", title: "Once the servo has ended, it begins again when the target has moved" }, follow, "follow the target")),
-    el("div", { class: "end" }, clock, theme));
+    theme);
+  page.clock = clock;
   model.on("about", (about) => {
     name.textContent = about.scenario;
     name.title = about.description;

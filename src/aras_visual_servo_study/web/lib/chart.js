@@ -18,7 +18,7 @@ export class Chart {
    */
   constructor(spec, shared, changed) {
     Object.assign(this, { spec, shared, changed, rows: [], marks: [], over: null, hidden: new Set(), log: Boolean(spec.log), cursor: null });
-    this.canvas = el("canvas", { tabindex: 0, "aria-label": `${spec.title}, over time` });
+    this.canvas = el("canvas", { tabindex: 0, role: "img", "aria-label": `${spec.title} ${spec.unit} over time; the numbers are below, and in the CSV file` });
     this.legend = el("div", { class: "legend" });
     this.outputs = spec.series.map((one, i) => {
       const output = el("output");
@@ -97,6 +97,7 @@ export class Chart {
         high = Math.max(high, size(y));
       }
     }
+    const empty = first < end && !this.spec.series.some((one, s) => !this.hidden.has(s) && this.rows.slice(first, end).some((row) => (one.value(row) ?? null) !== null));
     if (!(low <= high)) { low = this.log ? -3 : -1; high = this.log ? 0 : 1; }
     if (!this.log && spec.low !== undefined) { low = Math.min(low, spec.low); high = Math.max(high, spec.high); }
     const pad = Math.max(0.06 * (high - low), this.log ? 0.08 : 0.5 * (spec.least || 0) - 0.5 * (high - low), 1e-9);
@@ -121,6 +122,7 @@ export class Chart {
       pen.fillText(this.log ? (Number.isInteger(v) ? `1e${v}`.replace("-", "−") : (10 ** v).toPrecision(2)) : words(v, up.step), LEFT - 6, Y(v) + 4);
     }
     for (const v of this.log ? [] : spec.lines || []) { pen.strokeStyle = colour("--warn"); pen.setLineDash([5, 4]); line(LEFT, Y(v), w - RIGHT, Y(v)); pen.setLineDash([]); }
+    if (empty) { pen.textAlign = "center"; pen.fillText("only while it servoes", (LEFT + w - RIGHT) / 2, (TOP + h - BOTTOM) / 2); }
     pen.save();
     pen.beginPath();
     pen.rect(LEFT, TOP - 2, w - LEFT - RIGHT, h - TOP - BOTTOM + 4);

@@ -195,18 +195,18 @@ export class Fields {
 
   /** A section: its keys; of a table, an entry for each name that stands in it. */
   section(path, schema, label, open = false) {
-    const body = el("div", { class: "body" }), toggle = el("input", { type: "checkbox", title: "with or without" });
-    const optional = schema.default === undefined && schema.properties && !(path.split(".").length === 1);
+    const body = el("div", { class: "body" }), toggle = el("input", { type: "checkbox" });
+    const optional = schema.default === undefined && schema.properties && schema.required?.length && path.includes(".");
     const build = () => {
       const value = valueAt(this.model.values, path), keys = schema.properties ? Object.keys(schema.properties) : Object.keys(value || {});
       toggle.checked = value !== undefined;
-      const names = keys.join();
+      const names = [toggle.checked, ...keys].join();
       if (body.dataset.names === names) return;
       body.dataset.names = names;
-      body.replaceChildren(...keys.map((key) => this.make(`${path}.${key}`, schema.properties ? schema.properties[key] : schema.additionalProperties, key)));
+      body.replaceChildren(...(optional ? [el("label", { class: "check" }, toggle, `with ${label}`)] : []), ...(toggle.checked || !optional ? keys : []).map((key) => this.make(`${path}.${key}`, schema.properties ? schema.properties[key] : schema.additionalProperties, key)));
     };
     toggle.onchange = () => this.send(path, toggle.checked ? Object.fromEntries((schema.required || []).map((key) => [key, start(schema.properties[key])])) : null);
-    const details = el("details", { class: "section", open, title: schema.description || "" }, el("summary", {}, label, optional && !schema.required?.length === false ? toggle : ""), body);
+    const details = el("details", { class: "section", open, title: schema.description || "" }, el("summary", {}, label), body);
     details.addEventListener("toggle", () => { if (details.open) this.listenOnce(path, build); });
     if (open) this.listenOnce(path, build);
     return details;

@@ -20,7 +20,7 @@ const sentence = (text) => (text ? text[0].toUpperCase() + text.slice(1) + (/[.!
 export const why = (page, place) => {
   const pill = el("span", { class: "pill", id: "status" }, "…"), text = el("span", { id: "text" }), advice = el("span", { id: "advice" });
   const told = el("p", { class: "visually-hidden", role: "status" });
-  place.append(pill, el("p", {}, text, " ", advice), told);
+  place.append(pill, el("p", {}, text, " ", advice), page.clock, told);
   let shown = {}, at = 0;
   page.model.on("state", (state) => {
     const driving = PHASES[state.phase], now = performance.now();

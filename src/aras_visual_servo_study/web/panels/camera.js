@@ -83,7 +83,7 @@ const make = (page) => {
     else {
       pen.clearRect(0, 0, goal.width, goal.height);
       pen.fillStyle = getComputedStyle(box).getPropertyValue("--soft");
-      pen.font = `${9 * k + 3}px system-ui, sans-serif`;
+      pen.font = `${11 * goal.width / Math.max(goal.clientWidth, 1)}px system-ui, sans-serif`;
       pen.textAlign = "center";
       pen.fillText("nothing taught yet", goal.width / 2, goal.height / 2);
     }

@@ -54,7 +54,7 @@ const make = (page) => {
     redraw();
   }, { class: "quiet", "aria-pressed": "false", id: "hold" });
   const whole = button("All of it", "Take the zoom back (double click on a curve)", () => { shared.from = shared.to = null; shared.paused = false; redraw(); }, { class: "quiet" });
-  const window_s = el("select", { title: "How much is shown", id: "window", onchange: () => { shared.window_s = Number(window_s.value); shared.from = shared.to = null; redraw(); } },
+  const window_s = el("select", { title: "How much is shown", "aria-label": "how much is shown", id: "window", onchange: () => { shared.window_s = Number(window_s.value); shared.from = shared.to = null; redraw(); } },
     ...[[5, "5 s"], [10, "10 s"], [20, "20 s"], [60, "1 min"], [600, "all"]].map(([value, label]) => el("option", { value, selected: value === 20 }, label)));
   const sync = () => { window_s.hidden = pause.hidden = Boolean(shared.run); note.textContent = shared.run ? `${page.runs.name(shared.run)}${shared.over ? `; dashed: ${page.runs.name(shared.over)}` : ""}` : ""; pause.setAttribute("aria-pressed", String(shared.paused)); whole.disabled = shared.from === null && !shared.paused; };
   const note = el("small", { id: "curves-of" });

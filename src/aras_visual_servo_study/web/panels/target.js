@@ -22,7 +22,7 @@ const make = (page) => {
       if (state.target) where.textContent = `x ${(1e3 * state.target[0]).toFixed(1)}   y ${(1e3 * state.target[1]).toFixed(1)}   z ${(1e3 * state.target[2]).toFixed(1)} mm`;
     });
     const kinds = about.schema.sim.properties.scene.properties.models.items.properties.motion.oneOf;
-    const choice = el("select", { id: "motion", onchange: () => fill() }, el("option", { value: "" }, "at rest"), ...kinds.map((kind) => el("option", { value: kind.properties.type.const }, kind.properties.type.const.replaceAll("_", " "))));
+    const choice = el("select", { id: "motion", "aria-label": "motion of the target", onchange: () => fill() }, el("option", { value: "" }, "at rest"), ...kinds.map((kind) => el("option", { value: kind.properties.type.const }, kind.properties.type.const.replaceAll("_", " "))));
     const form = el("div", { class: "form" });
     const fill = () => {
       const kind = choice.value && kindOf(kinds, { type: choice.value });

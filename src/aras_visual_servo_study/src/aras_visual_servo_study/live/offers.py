@@ -3,7 +3,7 @@
     offer = offer_for(scenario, "pbvs")     # {"law": ..., "features": [...], "values": {...}, "reset": False}
 """
 
-from typing import Any, Dict, Iterator, List
+from typing import Any, Dict, Iterator, List, Optional, Sequence
 
 from aras_visual_servo import ParameterError, Scenario, works_on
 from .settings import acts_at_once, changed
@@ -32,7 +32,7 @@ def offer_for(scenario: Scenario, law: str) -> Dict[str, Any]:
     """
     values: Dict[str, Any] = {"servo.law": law}
     try:
-        features = works_on(law)
+        features: Optional[Sequence[str]] = works_on(law)
     except KeyError:
         features = None  # the check of the scenario says what is allowed
     if features is not None:
@@ -45,6 +45,6 @@ def offer_for(scenario: Scenario, law: str) -> Dict[str, Any]:
         except ParameterError as error:
             faults += [fault for fault in error.faults if fault not in faults]
             continue
-        return {"law": law, "features": list(features or servo.get("features", [])), "values": tried,
-                "reset": not all(map(acts_at_once, tried))}
+        names = servo.get("features", ()) if features is None else features
+        return {"law": law, "features": list(names), "values": tried, "reset": not all(map(acts_at_once, tried))}
     raise ParameterError(faults)

@@ -1,6 +1,5 @@
 """The live page in a real browser: its controls are moved, and what the servo did is read."""
 
-import itertools
 import subprocess
 import sys
 from pathlib import Path
@@ -271,11 +270,11 @@ def test_without_webgl_the_page_says_so_and_keeps_the_rest(serve, tmp_path):
 def test_the_page_fits_its_width_and_everything_can_be_read(serve, tmp_path):
     address = serve()
     with Browser(tmp_path, webgl=True) as browser:
-        for width, dark in itertools.product((390, 1440), (False, True)):
+        for width, dark in ((390, False), (1024, True), (1280, False), (1440, True)):
             browser.open("about:blank")
             browser.look((width, 844), dark)
             browser.open(address)
-            browser.wait(READY + " && aras.world && aras.model.rows.length > 5")
+            browser.wait(READY + " && aras.world?.drawn && aras.model.rows.length > 5")
             fits_and_can_be_read(browser, dark)
 
 
@@ -284,6 +283,9 @@ def fits_and_can_be_read(browser, dark):
     assert browser.value("[...document.querySelectorAll('.card')].every((one) => one.getBoundingClientRect().right "
                          "<= innerWidth)")
     assert browser.value("[...document.querySelectorAll('.chart')].length") == 6
+    # The arm is seen as a whole, with camera and target.
+    assert browser.value("aras.world.corners().length >= 40 && aras.world.corners().every((one) => { one.project(aras"
+                         ".world.eye); return Math.abs(one.x) < 1 && Math.abs(one.y) < 1; })")
     # The longest reason is shown in full, and the status does not cover the clock.
     reason = "for the last 19.9 s the arm could not do what was asked. " * 6
     told, cut, apart = browser.value(
