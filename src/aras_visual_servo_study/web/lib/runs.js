@@ -3,7 +3,7 @@ import { thinned } from "./model.js";
 
 const MOST_RUNS = 20, MOST_ROWS = 3000, MOST_MARKS = 12;
 const MARKED = { JOINT_LIMIT: "limit met", NEAR_SINGULARITY: "near singularity", OUT_OF_REACH: "out of reach", TARGET_LOST: "target lost", STALE_INPUT: "no input" };
-const ENDED = { CONVERGED: "converged", SETTLED: "settled", TIMED_OUT: "timed out", STOPPED: "stopped", STOPPED_BY_RULE: "stopped by rule", FAULT: "fault" };
+const ENDED = { ...MARKED, CONVERGED: "converged", SETTLED: "settled", TIMED_OUT: "timed out", STOPPED: "stopped", STOPPED_BY_RULE: "stopped by rule", FAULT: "fault" };
 /** A joint counts as being at its limit within this part of its way. */
 const NEAR = 0.02;
 

@@ -88,7 +88,8 @@ const make = (page) => {
     again.disabled = slow.disabled = !state.taught;
     another.disabled = !state.taught || !model.about.draws_starts;
   });
-  list();
+  const last = runs.all[runs.all.length - 1];   // a page that is reloaded has them before this panel
+  select(last?.ended && model.state?.phase === "done" ? last : null);
   return box;
 };
 

@@ -104,6 +104,8 @@ TABLE: Tuple[Tuple[str, Tuple[Status, ...], str, str], ...] = (
     ("lost_target_at_start", (Status.TARGET_LOST,), r"at the start|where servoing starts|at the goal",
      "{last_seen}. Drag it below the camera and press \u201cServo from here\u201d, or press Run all."),
     ("lost_target", (Status.TARGET_LOST,), "", "{last_seen}. Drag it back below the camera: the servo goes on."),
+    ("lost_in_time_limit", (Status.TIMED_OUT,), r"target (?:not in view|cut|lost)",
+     "{last_seen}. The target left the image: lower the gains or the latency, or drag it back below the camera."),
     ("stale_in_time_limit", (Status.TIMED_OUT,), r"no features|no image",
      "No images arrive: look at latency and lost frames under \u201cNoise, latency, exposure, light\u201d."),
     ("not_held", (Status.TIMED_OUT,), r"everything for less than hold_s",

@@ -28,6 +28,7 @@ def told(status, text, phase="servo", q=(0.0,) * 6, seen=None):
     (Status.STOPPED, "target lost for 10 s", "lost_target_ended", ""),
     (Status.TIMED_OUT, "not converged after 20.0 s: xn", "timed_out", "servo.time_limit_s"),
     (Status.TIMED_OUT, "not converged after 20.0 s: everything for less than hold_s", "not_held", ""),
+    (Status.TIMED_OUT, TIME.format("target cut by the border"), "lost_in_time_limit", "not seen since"),
     (Status.STOPPED, "stopped from the page", "stopped", ""), (Status.STALE_INPUT, "no image", "stale", ""),
     (Status.FAULT, "to_goal: joint 'J1' was sent to 1 and rests at 0", "held_at_end", "J1"),
     (Status.CONVERGED, "features, tilt and pose within their thresholds", "converged", ""),
