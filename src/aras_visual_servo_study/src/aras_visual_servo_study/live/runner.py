@@ -21,7 +21,7 @@ from .page_run import PageRun
 #: Wall time between two samples, and between two images [s].
 STATE_S, IMAGE_S = 1.0 / 60.0, 1.0 / 30.0
 #: Wall time between two rows of a servo that is watched: a fast one takes many images in a short wall time [s].
-SERVO_ROW_S = 0.005
+SERVO_ROW_S = 0.01
 #: Wall time after which the real-time factor is measured anew [s].
 MEASURED_S = 0.5
 #: A run that has fallen this far behind its speed does not catch up [s].
@@ -69,7 +69,7 @@ class Runner:
         self._state_s = self._image_s = -1.0
         self._trouble = ""
         self._image, self._image_number, self._marks, self._goal = None, 0, None, None
-        self._row_at_s, self._row_count = -1.0, 0
+        self._row_at_s, self._row_count, self._row_phase = -1.0, 0, ""
         self.rows: List[Tuple[int, List[Optional[float]]]] = []
         self.sample, self.watched, self.about = None, False, run.about()
         self.attended = False
@@ -188,10 +188,11 @@ class Runner:
             self._measured = now
 
     def _note_row(self):
-        wall_s = time.perf_counter()
-        least_s = SERVO_ROW_S if self.attended and self._run.phase == "servo" else 0.9 * IMAGE_S
-        if self._paused or wall_s - self._row_at_s >= least_s:
-            self._row_at_s = wall_s
+        wall_s, phase = time.perf_counter(), self._run.phase
+        least_s = SERVO_ROW_S if self.attended and phase == "servo" else 0.9 * IMAGE_S
+        # The first and the last image of a servo are moments that the time line marks.
+        if self._paused or phase != self._row_phase or wall_s - self._row_at_s >= least_s:
+            self._row_at_s, self._row_phase = wall_s, phase
             self.rows.append((self._row_count, self._run.row(self._factor)))
             self._row_count += 1
             if len(self.rows) > MOST_ROWS:
