@@ -4,15 +4,22 @@ import { Connection } from "./lib/connection.js";
 import { Model } from "./lib/model.js";
 import { bar } from "./lib/bar.js";
 import { notice } from "./lib/dom.js";
+import { Runs } from "./lib/runs.js";
+import { why } from "./lib/why.js";
 
 const model = new Model();
 const connection = new Connection(model);
-const page = { model, connection, ask: (request) => connection.ask(request) };
+// What curves and time share: the run that is shown (null: the newest), one over it, the range, the moment of the past.
+const shared = { window_s: 20, from: null, to: null, paused: false, cursor: null, run: null, over: null, at: null };
+const page = { model, connection, runs: new Runs(model), shared, ask: (request) => connection.ask(request) };
 
 window.aras = page;   // for tests, and for the curious
 bar(page, document.querySelector("#bar"));
+why(page, document.querySelector("#why"));
 model.on("connection", (state) => notice("connection", state === "open" ? "" : "The run cannot be reached; trying again."));
 connection.open();
+const top = document.querySelector("#top");
+new ResizeObserver(() => document.documentElement.style.setProperty("--top", `${top.offsetHeight}px`)).observe(top);
 
 const names = await (await fetch("panels.json")).json();
 await model.first("about");

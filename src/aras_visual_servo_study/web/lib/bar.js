@@ -1,62 +1,53 @@
 // The head of the page: what runs, how it is, and the buttons that everybody needs.
 import { button, el, isDark, notice } from "./dom.js";
 
-const WORDS = { IDLE: "idle", SERVOING: "servoing", CONVERGED: "converged", TARGET_LOST: "target lost", STALE_INPUT: "no input",
-  JOINT_LIMIT: "joint limit", NEAR_SINGULARITY: "near singularity", TIMED_OUT: "timed out", STOPPED: "stopped", FAULT: "fault",
-  STOPPED_BY_RULE: "stopped by rule", SETTLED: "settled", OUT_OF_REACH: "out of reach" };
-const KIND = { SERVOING: "busy", CONVERGED: "good", STOPPED_BY_RULE: "good", SETTLED: "warn", TARGET_LOST: "bad", STALE_INPUT: "bad", FAULT: "bad",
-  JOINT_LIMIT: "warn", NEAR_SINGULARITY: "warn", OUT_OF_REACH: "warn", TIMED_OUT: "warn" };
-const PHASES = { to_goal: "driving to the goal", settle_goal: "settling at the goal", teach: "teaching", to_start: "driving to the start",
-  settle_start: "settling at the start" };
-const SPEEDS = [[0.1, "0.1 ×"], [0.25, "0.25 ×"], [0.5, "0.5 ×"], [1, "1 ×"], [2, "2 ×"], [5, "5 ×"], [0, "as fast as possible"]];
+const SPEEDS = [[0.1, "0.1 ×"], [0.25, "0.25 ×"], [0.5, "0.5 ×"], [1, "1 ×"], [2, "2 ×"], [5, "5 ×"], [0, "fastest"]];
 
 export const bar = (page, place) => {
   const { model } = page;
   const act = (request) => () => page.ask(request)
     .then(() => notice("action", ""))
     .catch((error) => { notice("action", error.message); setTimeout(() => notice("action", ""), 8000); });
-  const name = el("strong"), pill = el("span", { class: "pill", id: "status" }, "…"), text = el("span", { class: "soft", id: "text" });
+  const name = el("h1");
   const pause = button("Pause", "Let simulated time stand still, or go on (space)", () => act({ do: "pause", paused: !model.state?.paused })(), { id: "pause" });
   const step = button("Step", "One image more", act({ do: "step" }), { id: "step" });
-  const speed = el("select", { title: "Simulated time per wall time", id: "speed", onchange: () => act({ do: "speed", factor: Number(speed.value) })() },
+  const speed = el("select", { title: "Simulated time per wall time", "aria-label": "simulated time per wall time", id: "speed", onchange: () => act({ do: "speed", factor: Number(speed.value) })() },
     ...SPEEDS.map(([value, label]) => el("option", { value }, label)));
   const follow = el("input", { type: "checkbox", id: "follow", onchange: () => act({ do: "follow", follow: follow.checked })() });
   const theme = button("◐", "Light or dark", () => {
     document.documentElement.dataset.theme = isDark() ? "light" : "dark";
     try { localStorage.setItem("theme", document.documentElement.dataset.theme); } catch { /* a private window */ }
     model.emit("theme");
-  }, { class: "quiet", id: "theme" });
+  }, { class: "quiet", id: "theme", "aria-label": "light or dark" });
   try { const kept = localStorage.getItem("theme"); if (kept) document.documentElement.dataset.theme = kept; } catch { /* as above */ }
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => model.emit("theme"));
   const buttons = {
-    start: button("Run", "Drive to the goal, teach it, drive to the start, servo", act({ do: "start", reference: "experiment" }), { class: "primary", id: "start" }),
-    servo: button("Servo", "Servo from here to the goal that was taught", act({ do: "start", reference: "taught" }), { id: "servo" }),
+    start: button("Run all", "Drive to the goal, teach it, drive to the start, servo", act({ do: "start", reference: "experiment" }), { class: "primary", id: "start" }),
+    servo: button("Servo from here", "Servo from where the arm is to the goal that was taught", act({ do: "start", reference: "taught" }), { id: "servo" }),
     stop: button("Stop", "Stop the arm", act({ do: "stop" }), { id: "stop" }),
     teach: button("Teach here", "This view becomes the goal", act({ do: "teach" }), { id: "teach" }),
     reset: button("Reset", "Begin anew, with the settings as they stand", act({ do: "reset" }), { id: "reset" }),
   };
   const clock = el("span", { class: "clock" });
   place.append(
-    el("div", { class: "title" }, name, pill, text),
+    name,
     el("div", { class: "buttons" }, buttons.start, buttons.servo, buttons.stop, buttons.teach, el("i"), pause, step, speed, el("i"), buttons.reset,
       el("label", { class: "check", title: "Once the servo has ended, it begins again when the target has moved" }, follow, "follow the target")),
-    el("div", { class: "end" }, clock, theme));
+    theme);
+  page.clock = clock;
   model.on("about", (about) => {
     name.textContent = about.scenario;
     name.title = about.description;
     document.title = `${about.scenario}, live`;
   });
   model.on("state", (state) => {
-    const quiet = state.phase === "idle" || state.phase === "done", driving = PHASES[state.phase];
-    pill.textContent = driving || WORDS[state.status] || state.status;
-    pill.className = `pill ${driving ? "busy" : KIND[state.status] || ""}`;
-    pill.dataset.status = state.status;
-    text.textContent = state.text && state.text !== pill.textContent && state.text !== state.phase ? state.text : "";
+    const quiet = state.phase === "idle" || state.phase === "done";
     buttons.stop.disabled = quiet;
     buttons.servo.disabled = !state.taught;
     buttons.teach.disabled = !quiet;
     pause.textContent = state.paused ? "Go on" : "Pause";
     step.disabled = !state.paused;
+    if (![...speed.options].some((one) => one.value === String(state.speed))) speed.append(el("option", { value: state.speed }, `${state.speed} ×`));
     if (document.activeElement !== speed) speed.value = String(state.speed);
     follow.checked = state.follow;
     clock.textContent = `${state.t.toFixed(2)} s · ${state.factor.toFixed(state.factor < 10 ? 2 : 0)} ×${model.viewers > 1 ? ` · ${model.viewers} viewers` : ""}`;

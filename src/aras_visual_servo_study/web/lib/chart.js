@@ -1,6 +1,7 @@
 // A live plot on a canvas: series over time, linear or logarithmic, with zoom, read-out, PNG and CSV.
-import { download, el, onPage } from "./dom.js";
+import { download, el, onPage, symbol } from "./dom.js";
 import { clamp, ticks } from "./draw.js";
+import { placeAt } from "./model.js";
 
 const LEFT = 54, RIGHT = 10, TOP = 8, BOTTOM = 24;
 
@@ -16,8 +17,8 @@ export class Chart {
    * shared: { window_s, from, to, paused }, one for all charts; from and to are null while the newest is followed.
    */
   constructor(spec, shared, changed) {
-    Object.assign(this, { spec, shared, changed, rows: [], hidden: new Set(), log: Boolean(spec.log), cursor: null });
-    this.canvas = el("canvas", { tabindex: 0, "aria-label": `${spec.title}, over time` });
+    Object.assign(this, { spec, shared, changed, rows: [], marks: [], over: null, hidden: new Set(), log: Boolean(spec.log), cursor: null });
+    this.canvas = el("canvas", { tabindex: 0, role: "img", "aria-label": `${spec.title} ${spec.unit} over time; the numbers are below, and in the CSV file` });
     this.legend = el("div", { class: "legend" });
     this.outputs = spec.series.map((one, i) => {
       const output = el("output");
@@ -25,7 +26,7 @@ export class Chart {
         if (!this.hidden.delete(i)) this.hidden.add(i);
         chip.setAttribute("aria-pressed", String(!this.hidden.has(i)));
         this.draw();
-      } }, el("i", { class: "swatch" }), one.label, output);
+      } }, el("i", { class: "swatch" }), ...(one.symbol ? [el("span", {}, symbol(one.symbol), one.unit)] : [one.label]), output);
       chip.firstChild.style.background = onPage(one.colour);
       this.legend.append(chip);
       return output;
@@ -43,11 +44,13 @@ export class Chart {
 
   recolour() { this.spec.series.forEach((one, i) => { this.legend.children[i].firstChild.style.background = onPage(one.colour); }); this.draw(); }
 
-  take(rows) { this.rows = rows; this.draw(); }
+  /** rows: of the run that is shown.  marks: its moments.  over: a run that is drawn dashed, from the same beginning on. */
+  take(rows, marks = [], over = null) { Object.assign(this, { rows, marks, over }); this.draw(); }
 
   /** [from, to] in seconds that are shown. */
   range() {
     const { shared, rows } = this, end = rows.length ? rows[rows.length - 1][0] : 0;
+    if (shared.from === null && shared.run) return [rows[0][0], Math.max(end, rows[0][0] + 0.1)];
     return shared.from === null ? [Math.max(rows.length ? rows[0][0] : 0, end - shared.window_s), Math.max(end, (rows.length ? rows[0][0] : 0) + 1)] : [shared.from, shared.to];
   }
 
@@ -55,6 +58,13 @@ export class Chart {
     const { rows } = this;
     const at = (t) => { let a = 0, b = rows.length; while (a < b) { const m = (a + b) >> 1; if (rows[m][0] < t) a = m + 1; else b = m; } return a; };
     return [Math.max(0, at(from) - 1), Math.min(rows.length, at(to) + 1)];
+  }
+
+  /** The series of the run that is drawn over this one. */
+  others() {
+    const series = this.over?.charts?.[this.spec.key], shift = this.over && this.rows.length ? this.rows[0][0] - this.over.from : 0;
+    if (!series) return [];
+    return this.spec.series.flatMap((one, i) => (this.hidden.has(i) ? [] : series.filter(({ name }) => name === one.name).map(({ value }) => ({ value, rows: this.over.rows, shift, colour: one.colour }))));
   }
 
   draw() {
@@ -78,6 +88,16 @@ export class Chart {
       }
       if (this.log && one.level) { low = Math.min(low, size(one.level)); high = Math.max(high, size(one.level)); }
     });
+    const others = this.others();
+    for (const { value, rows, shift } of others) {
+      for (const row of rows) {
+        const y = value(row);
+        if (y === null || y === undefined || (this.log && y === 0) || row[0] + shift < from || row[0] + shift > to) continue;
+        low = Math.min(low, size(y));
+        high = Math.max(high, size(y));
+      }
+    }
+    const empty = first < end && !this.spec.series.some((one, s) => !this.hidden.has(s) && this.rows.slice(first, end).some((row) => (one.value(row) ?? null) !== null));
     if (!(low <= high)) { low = this.log ? -3 : -1; high = this.log ? 0 : 1; }
     if (!this.log && spec.low !== undefined) { low = Math.min(low, spec.low); high = Math.max(high, spec.high); }
     const pad = Math.max(0.06 * (high - low), this.log ? 0.08 : 0.5 * (spec.least || 0) - 0.5 * (high - low), 1e-9);
@@ -92,7 +112,7 @@ export class Chart {
     const line = (x0, y0, x1, y1) => { pen.beginPath(); pen.moveTo(x0, y0); pen.lineTo(x1, y1); pen.stroke(); };
     pen.textAlign = "center";
     const across = ticks(from, to, Math.max(3, w / 90));
-    for (const t of across.values) { line(X(t), TOP, X(t), h - BOTTOM); pen.fillText(`${words(t, across.step)} s`, X(t), h - 8); }
+    for (const t of across.values) { line(X(t), TOP, X(t), h - BOTTOM); const text = `${words(t, across.step)} s`; pen.fillText(text, Math.min(X(t), w - pen.measureText(text).width / 2), h - 8); }
     pen.textAlign = "right";
     let up = ticks(low, high, 4);
     if (this.log) up = high - low > 1.6 ? { values: ticks(low, high, 4).values.map(Math.round).filter((v, i, all) => all.indexOf(v) === i && v >= low && v <= high), step: 1 } : up;
@@ -102,6 +122,7 @@ export class Chart {
       pen.fillText(this.log ? (Number.isInteger(v) ? `1e${v}`.replace("-", "−") : (10 ** v).toPrecision(2)) : words(v, up.step), LEFT - 6, Y(v) + 4);
     }
     for (const v of this.log ? [] : spec.lines || []) { pen.strokeStyle = colour("--warn"); pen.setLineDash([5, 4]); line(LEFT, Y(v), w - RIGHT, Y(v)); pen.setLineDash([]); }
+    if (empty) { pen.textAlign = "center"; pen.fillText("only while it servoes", (LEFT + w - RIGHT) / 2, (TOP + h - BOTTOM) / 2); }
     pen.save();
     pen.beginPath();
     pen.rect(LEFT, TOP - 2, w - LEFT - RIGHT, h - TOP - BOTTOM + 4);
@@ -109,7 +130,13 @@ export class Chart {
     spec.series.forEach((one, s) => {
       if (this.hidden.has(s)) return;
       pen.strokeStyle = onPage(one.colour);
-      if (this.log && one.level) { pen.globalAlpha = 0.55; pen.setLineDash([4, 4]); line(LEFT, Y(size(one.level)), w, Y(size(one.level))); pen.setLineDash([]); pen.globalAlpha = 1; }
+      if (one.level) {
+        pen.globalAlpha = 0.55;
+        pen.setLineDash([4, 4]);
+        for (const level of this.log ? [size(one.level)] : [-one.level, one.level]) line(LEFT, Y(level), w, Y(level));
+        pen.setLineDash([]);
+        pen.globalAlpha = 1;
+      }
       pen.lineWidth = 1.7;
       pen.lineJoin = "round";
       pen.beginPath();
@@ -123,8 +150,40 @@ export class Chart {
       pen.stroke();
       pen.lineWidth = 1;
     });
+    for (const { value, rows, shift, colour: own } of others) {
+      pen.strokeStyle = onPage(own);
+      pen.setLineDash([3, 3]);
+      pen.beginPath();
+      let on = false;
+      for (const row of rows) {
+        const y = value(row);
+        if (y === null || y === undefined || (this.log && y === 0)) { on = false; continue; }
+        if (on) pen.lineTo(X(row[0] + shift), Y(size(y))); else pen.moveTo(X(row[0] + shift), Y(size(y)));
+        on = true;
+      }
+      pen.stroke();
+      pen.setLineDash([]);
+    }
+    pen.textAlign = "left";
+    let free = LEFT;   // names of moments that would fall onto each other are left to the time line
+    for (const { t, label } of this.marks) {
+      pen.strokeStyle = pen.fillStyle = colour("--soft");
+      pen.setLineDash([2, 3]);
+      line(X(t), TOP, X(t), h - BOTTOM);
+      pen.setLineDash([]);
+      const wide = pen.measureText(label).width, x = Math.min(X(t) + 3, w - RIGHT - wide);
+      if (x < free) continue;
+      pen.fillText(label, x, TOP + 9);
+      free = x + wide + 6;
+    }
     pen.restore();
-    let row = this.rows[this.rows.length - 1];
+    if (this.shared.at !== null && this.shared.at >= from && this.shared.at <= to) {
+      pen.strokeStyle = colour("--accent");
+      pen.lineWidth = 1.5;
+      line(X(this.shared.at), TOP, X(this.shared.at), h - BOTTOM);
+      pen.lineWidth = 1;
+    }
+    let row = this.rows[this.shared.at === null ? this.rows.length - 1 : placeAt(this.rows, this.shared.at)];
     if (this.shared.cursor !== null && this.shared.cursor !== undefined && this.shared.cursor >= from && this.shared.cursor <= to) {
       pen.strokeStyle = colour("--axis");
       line(X(this.shared.cursor), TOP, X(this.shared.cursor), h - BOTTOM);

@@ -13,6 +13,23 @@ export const el = (name, attributes = {}, ...children) => {
 
 export const button = (text, title, onclick, more = {}) => el("button", { type: "button", title, onclick, ...more }, text);
 
+/** A symbol such as "x_n" as it is set in a formula. */
+export const symbol = (text) => {
+  const [letter, below] = text.split(/_(.*)/);
+  return el("i", { class: "symbol" }, letter, below ? el("sub", {}, below) : null);
+};
+
+/** The names nearest to one that is not known, at most `most`: by letters that differ, then by their order. */
+export const nearest = (name, names, most = 4) => {
+  const far = (a, b) => {
+    let row = Array.from({ length: b.length + 1 }, (_, j) => j);
+    for (let i = 1; i <= a.length; i++) row = row.reduce((next, _, j) => [...next, j === 0 ? i : Math.min(row[j] + 1, next[j - 1] + 1, row[j - 1] + (a[i - 1] === b[j - 1] ? 0 : 1))], []);
+    return row[b.length];
+  };
+  const lower = name.toLowerCase();
+  return names.map((one) => ({ one, far: far(lower, one.toLowerCase()) + (one.toLowerCase().startsWith(lower) ? -0.5 : 0) })).sort((a, b) => a.far - b.far).slice(0, most).map(({ one }) => one);
+};
+
 /** A card with a head line; returns { card, head, body }. */
 export const card = (title, kind = "") => {
   const head = el("div", { class: "head" }, el("h2", {}, title)), body = el("div", { class: "body" });

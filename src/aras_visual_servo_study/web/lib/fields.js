@@ -1,6 +1,7 @@
 // Controls from a schema: a slider for a number, a list for a choice, a switch, and sections of these.
-import { el, notice } from "./dom.js";
+import { el, nearest, notice, symbol } from "./dom.js";
 import { valueAt } from "./model.js";
+import { keyWords, readIn } from "./units.js";
 
 /** Where a slider of a key without useful bounds ends, by unit; the number beside it takes any value that is allowed. */
 const SPAN = { "grey levels": 20, s: 0.2, "1/s": 10, m: 0.2, rad: 0.2, "m, rad": 0.1, Hz: 100, "m/s": 1, "rad/s": 2 };
@@ -9,12 +10,15 @@ const SEND_MS = 60;
 const lowest = (schema) => schema.minimum ?? schema.exclusiveMinimum ?? -Infinity;
 const highest = (schema) => schema.maximum ?? schema.exclusiveMaximum ?? Infinity;
 
+/** A slider of a factor reaches from a sixth of its value to six times it, and begins anew about the value it was left at. */
+const REACH = 6;
+
 /** How a slider maps its way of 0 to 1 to a number: { from(part), to(value) }. */
 export const scaleOf = (schema, value) => {
   const low = lowest(schema), high = highest(schema), size = Math.abs(value || 0) || Math.abs(schema.default || 0);
-  if (schema.exclusiveMinimum === 0 && size > 0 && !(high <= 100 * size)) {   // a gain, a threshold: factors count
-    const bottom = Math.log(size / 20), top = Math.log(size * 20);
-    return { from: (part) => Math.exp(bottom + part * (top - bottom)), to: (x) => (Math.log(Math.max(x, 1e-12)) - bottom) / (top - bottom) };
+  if (schema.exclusiveMinimum === 0 && size > 0) {   // a gain, a threshold: factors count
+    const bottom = Math.log(size / REACH), top = Math.log(Math.min(size * REACH, Math.max(high, size)));
+    return { from: (part) => Math.exp(bottom + part * (top - bottom)), to: (x) => (Math.log(Math.max(x, 1e-12)) - bottom) / (top - bottom), about: true };
   }
   const span = Math.max(SPAN[schema.unit] || 1, 3 * size);
   const begin = Number.isFinite(low) && low > -1000 ? low : -span, end = Number.isFinite(high) && high - begin <= 1000 && high - begin <= 50 * span ? high : Math.max(begin, 0) + span;
@@ -77,16 +81,17 @@ export class Fields {
   waits(path) { return !this.model.about.at_once.some((pattern) => new RegExp(`^(?:${pattern})$`).test(path)); }
 
   row(path, schema, label, control, more = null) {
-    const help = [schema.description, schema.unit ? `[${schema.unit}]` : ""].filter(Boolean).join(" ");
+    const { unit } = readIn(/number|integer|array/.test(schema.type) ? schema.unit : ""), shown = unit || schema.unit;
+    const help = [path, schema.description, shown ? `[${shown}]` : ""].filter(Boolean).join("\n");
     const note = el("small", { class: "waits", hidden: true }, "after Reset");
     this.listen(path, () => { note.hidden = !this.waits(path) || !this.model.waiting.includes(path); });
-    return el("div", { class: "field", "data-path": path, title: help }, el("label", {}, label, schema.unit ? el("small", {}, ` ${schema.unit}`) : "", note), control, more);
+    return el("div", { class: "field", "data-path": path, title: help }, el("label", {}, label, shown && shown !== "-" ? el("small", {}, ` ${shown}`) : "", note), control, more);
   }
 
   /** The control of one key, or the section of one that holds others. */
-  make(path, schema, label = path.split(".").pop()) {
+  make(path, schema, label = keyWords(path.split(".").pop())) {
     const choices = this.model.about.choices[path] || schema.enum;
-    if (path === "servo.features") return this.list(path, schema, label, choices);
+    if (path === "servo.features") return this.list(path, schema, label);
     if (choices) return this.choice(path, schema, label, choices);
     if (schema.type === "boolean") return this.toggle(path, schema, label);
     if (schema.type === "number" || schema.type === "integer") return this.number(path, schema, label);
@@ -98,12 +103,14 @@ export class Fields {
 
   number(path, schema, label) {
     let scale = scaleOf(schema, this.value(path, schema)), held = false;
-    const slider = el("input", { type: "range", min: 0, max: 1, step: 0.001, "aria-label": label });
-    const box = el("input", { type: "number", step: "any", "aria-label": label });
+    const { factor, unit } = readIn(schema.unit), name = `${label.textContent ?? label} ${unit}`.trim();
+    const slider = el("input", { type: "range", min: 0, max: 1, step: 0.001, "aria-label": `${name}, slider` });
+    const box = el("input", { type: "number", step: "any", "aria-label": name });
+    const write = (value) => { box.value = short(factor * value, schema); slider.setAttribute("aria-valuetext", `${box.value} ${unit}`); };
     const show = () => {
       const value = this.value(path, schema);
       if (held || this.sending(path) || document.activeElement === box) return;
-      box.value = value === undefined || value === null ? "" : short(value, schema);
+      if (value === undefined || value === null) box.value = ""; else write(value);
       if (value !== undefined && value !== null && (scale.to(value) < 0 || scale.to(value) > 1)) scale = scaleOf(schema, value);
       slider.value = value === undefined || value === null ? 0 : scale.to(value);
     };
@@ -111,12 +118,18 @@ export class Fields {
       held = true;
       let value = Number(short(scale.from(Number(slider.value)), schema));
       value = Math.min(highest(schema), Math.max(lowest(schema), value));
-      box.value = value;
+      write(value);
       this.send(path, value);
     };
-    slider.onchange = () => { held = false; };
+    slider.onchange = () => {
+      held = false;
+      const part = Number(slider.value);
+      if (!scale.about || (part > 0.1 && part < 0.9)) return;   // left at an end, it begins anew about this value
+      scale = scaleOf(schema, Number(short(scale.from(part), schema)));
+      slider.value = 0.5;
+    };
     box.onchange = () => {
-      const value = box.value === "" ? null : Number(box.value);
+      const value = box.value === "" ? null : Number((Number(box.value) / factor).toPrecision(12));
       this.send(path, value);
       if (value !== null) { scale = scaleOf(schema, value); slider.value = scale.to(value); }
     };
@@ -125,7 +138,7 @@ export class Fields {
   }
 
   choice(path, schema, label, choices) {
-    const select = el("select", { "aria-label": label, onchange: () => this.send(path, select.value) }, ...choices.map((one) => el("option", { value: one }, String(one).replaceAll("_", " "))));
+    const select = el("select", { "aria-label": label, onchange: () => (this.instead?.(path, select.value) || this.send(path, select.value)) }, ...choices.map((one) => el("option", { value: one }, String(one).replaceAll("_", " "))));
     this.listen(path, () => { select.value = this.value(path, schema) ?? choices[0]; });
     return this.row(path, schema, label, select);
   }
@@ -142,20 +155,33 @@ export class Fields {
     return this.row(path, schema, label, box);
   }
 
-  list(path, schema, label, choices) {
-    const box = el("input", { type: "text", "aria-label": label, spellcheck: "false", onchange: () => this.send(path, box.value.split(/[\s,]+/).filter(Boolean)) });
-    this.listen(path, () => { if (document.activeElement !== box) box.value = (this.value(path, schema) || []).join(", "); });
+  /** Features by name: an unknown one is answered by the nearest, each a button that takes its place. */
+  list(path, schema, label) {
+    const known = this.model.about.known, hint = el("div", { class: "wide hints", role: "status" });
+    const words = ({ symbol: sign, name, label: what }) => [symbol(sign), ` ${name}, ${what}`];
+    const take = () => {
+      const names = box.value.split(/[\s,]+/).filter(Boolean), strange = names.find((name) => !known.some((one) => one.name === name) && !/\d/.test(name));
+      hint.replaceChildren();
+      if (!strange) { this.send(path, names); return; }
+      hint.append(el("span", {}, `${strange} is not known. The nearest: `), ...nearest(strange, known.map((one) => one.name)).map((name) => el("button", { type: "button", class: "quiet", "data-name": name, onclick: () => {
+        box.value = names.map((one) => (one === strange ? name : one)).join(", ");
+        take();
+      } }, ...words(known.find((one) => one.name === name)))));
+    };
+    const box = el("input", { type: "text", "aria-label": `${label}, names with commas`, spellcheck: "false", onchange: take });
+    this.listen(path, () => { if (document.activeElement !== box && !hint.firstChild) box.value = (this.value(path, schema) || this.model.about.features.map(({ name }) => name)).join(", "); });
     const row = this.row(path, schema, label, box);
-    if (choices) row.append(el("details", { class: "section wide" }, el("summary", {}, el("small", {}, "known features")), el("small", { class: "soft" }, choices.join(", "))));
+    row.append(hint, el("details", { class: "section wide" }, el("summary", {}, el("small", {}, "known features")), el("ul", { class: "known" }, ...known.map((one) => el("li", {}, ...words(one))))));
     return row;
   }
 
   numbers(path, schema, label) {
+    const { factor } = readIn(schema.unit);
     const boxes = Array.from({ length: schema.maxItems }, (_, i) => el("input", { type: "number", step: "any", "aria-label": `${label} ${i + 1}`, onchange: () => {
-      const value = boxes.map((box) => Number(box.value || 0));
+      const value = boxes.map((box) => Number((Number(box.value || 0) / factor).toPrecision(12)));
       this.send(path, value);
     } }));
-    this.listen(path, () => { const value = this.value(path, schema) || []; boxes.forEach((box, i) => { if (document.activeElement !== box) box.value = value[i] ?? ""; }); });
+    this.listen(path, () => { const value = this.value(path, schema) || []; boxes.forEach((box, i) => { if (document.activeElement !== box) box.value = value[i] === undefined ? "" : Number((factor * value[i]).toPrecision(6)); }); });
     return this.row(path, schema, label, el("span", { class: "numbers" }, ...boxes));
   }
 
@@ -169,18 +195,18 @@ export class Fields {
 
   /** A section: its keys; of a table, an entry for each name that stands in it. */
   section(path, schema, label, open = false) {
-    const body = el("div", { class: "body" }), toggle = el("input", { type: "checkbox", title: "with or without" });
-    const optional = schema.default === undefined && schema.properties && !(path.split(".").length === 1);
+    const body = el("div", { class: "body" }), toggle = el("input", { type: "checkbox" });
+    const optional = schema.default === undefined && schema.properties && schema.required?.length && path.includes(".");
     const build = () => {
       const value = valueAt(this.model.values, path), keys = schema.properties ? Object.keys(schema.properties) : Object.keys(value || {});
       toggle.checked = value !== undefined;
-      const names = keys.join();
+      const names = [toggle.checked, ...keys].join();
       if (body.dataset.names === names) return;
       body.dataset.names = names;
-      body.replaceChildren(...keys.map((key) => this.make(`${path}.${key}`, schema.properties ? schema.properties[key] : schema.additionalProperties, key)));
+      body.replaceChildren(...(optional ? [el("label", { class: "check" }, toggle, `with ${label}`)] : []), ...(toggle.checked || !optional ? keys : []).map((key) => this.make(`${path}.${key}`, schema.properties ? schema.properties[key] : schema.additionalProperties, key)));
     };
     toggle.onchange = () => this.send(path, toggle.checked ? Object.fromEntries((schema.required || []).map((key) => [key, start(schema.properties[key])])) : null);
-    const details = el("details", { class: "section", open, title: schema.description || "" }, el("summary", {}, label, optional && !schema.required?.length === false ? toggle : ""), body);
+    const details = el("details", { class: "section", open, title: schema.description || "" }, el("summary", {}, label), body);
     details.addEventListener("toggle", () => { if (details.open) this.listenOnce(path, build); });
     if (open) this.listenOnce(path, build);
     return details;

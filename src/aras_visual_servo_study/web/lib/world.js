@@ -4,6 +4,10 @@ import { flatModel, frame, frustum, setPose, solid, Trail } from "./props.js";
 import { Robot } from "./robot.js";
 
 const FRUSTUM_M = 0.16;
+/** Part of the view that the arm may fill. */
+const FILLED = 0.92;
+/** Keys of the view: turn around, turn over [rad], factor of the distance. */
+const KEYS = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1], "+": [0, 0, 0.85], "-": [0, 0, 1.18], Home: [] };
 const COLOURS = {
   light: { sky: 0xeef1f4, floor: 0xd3d9df, grid: 0xb4bdc7, plate: 0xf4f4f1, path: 0x0b6e99, goal: 0x00805a, seen: 0x36454f },
   dark: { sky: 0x14181d, floor: 0x232a32, grid: 0x3a444f, plate: 0xc9ccce, path: 0x56b6e0, goal: 0x3fc795, seen: 0xaeb9c4 } };
@@ -46,9 +50,18 @@ export class World {
     this.controls.minDistance = 0.05;
     this.controls.maxDistance = 20;
     this.controls.addEventListener("change", () => { this.dirty = true; });
+    this.controls.addEventListener("start", () => { this.touched = true; });
+    this.controls.enableKeys = false;
+    canvas.addEventListener("wheel", () => { this.touched = true; });
+    canvas.addEventListener("keydown", (event) => {
+      const way = KEYS[event.key];
+      if (!way) return;
+      event.preventDefault();
+      if (event.key === "Home") this.home(); else this.turn(...way);
+    });
     this.robot = new Robot(about, geometries);
     this.follows = false;
-    this.second = true;
+    this.second = false;
     this.swapped = false;
     this.build(dark);
     this.home();
@@ -93,6 +106,7 @@ export class World {
       plate.add(top);
       setPose(plate, first.pose);
       scene.add(plate);
+      this.plate = plate;
     }
     for (const entry of this.about.scene.solids) scene.add(solid(entry));
     this.camera = new THREE.Group();
@@ -119,19 +133,63 @@ export class World {
 
   /** The view from where everything is seen. */
   home() {
-    const { eye, look_at } = this.about.observer, at = new THREE.Vector3(...look_at);
-    at.z -= 0.08;
+    this.touched = false;
+    const { eye, look_at } = this.about.observer, at = new THREE.Vector3(...look_at), corners = this.corners();
+    const way = new THREE.Vector3(...eye).sub(at).applyAxisAngle(new THREE.Vector3(0, 0, 1), 0.5);
+    way.z += 0.3;
+    way.normalize();
+    if (corners.length) new THREE.Box3().setFromPoints(corners).getCenter(at);
+    // As near as every corner allows: its place across the view, and how far it lies in front of the centre.
+    const up = new THREE.Vector3(0, 0, 1).addScaledVector(way, -way.z).normalize(), right = new THREE.Vector3().crossVectors(up, way);
+    const high = Math.tan(0.5 * this.eye.fov * Math.PI / 180) * FILLED, wide = high * (this.w && this.h ? this.w / this.h : 1.5);
+    const far = corners.reduce((most, corner) => {
+      const d = corner.clone().sub(at);
+      return Math.max(most, d.dot(way) + Math.max(Math.abs(d.dot(right)) / wide, Math.abs(d.dot(up)) / high));
+    }, 0.3);
     this.controls.target.copy(at);
-    this.eye.position.set(...eye).sub(at).multiplyScalar(0.9).applyAxisAngle(new THREE.Vector3(0, 0, 1), 0.5).add(at);
-    this.eye.position.z += 0.3;
+    this.eye.position.copy(at).addScaledVector(way, far);
     this.controls.update();
     this.dirty = true;
   }
 
+  /** Corners of all that has to be seen: what moves of the arm, the camera, the goal and the target. */
+  corners() {
+    const points = [], box = new THREE.Box3();
+    this.scene.updateMatrixWorld(true);
+    const add = (object) => {
+      if (box.setFromObject(object).isEmpty()) return;
+      for (let i = 0; i < 8; i++) points.push(new THREE.Vector3(box[i & 1 ? "max" : "min"].x, box[i & 2 ? "max" : "min"].y, box[i & 4 ? "max" : "min"].z));
+    };
+    for (const name of this.robot.names) {
+      const { motion } = this.robot.moved[name] || {};
+      if (motion) motion.children[0].children.forEach((one) => { if (one.isMesh) add(one); });
+    }
+    if (this.camera) add(this.camera);
+    if (this.target) add(this.target);
+    if (this.plate) add(this.plate);
+    return points;
+  }
+
+  /** Turns the view about what is looked at, and moves nearer or farther. Args: angles [rad]; factor of the distance. */
+  turn(around, over, factor = 1) {
+    const { target } = this.controls, place = new THREE.Spherical(), up = new THREE.Quaternion().setFromUnitVectors(this.eye.up, new THREE.Vector3(0, 1, 0));
+    const way = this.eye.position.clone().sub(target).applyQuaternion(up);
+    place.setFromVector3(way);
+    place.theta += around;
+    place.phi += over;
+    place.radius *= factor;
+    place.makeSafe();
+    this.eye.position.setFromSpherical(place).applyQuaternion(up.conjugate()).add(target);
+    this.touched = true;
+    this.controls.update();
+  }
+
   /** state: q, camera and target as pose numbers. */
   show(state) {
+    const first = !this.last;
     this.last = state;
     this.robot.pose(state.q, state.camera);
+    if (first) requestAnimationFrame(() => { if (!this.touched) this.home(); });
     if (state.camera) {
       setPose(this.camera, state.camera);
       if (this.follows) {
@@ -169,6 +227,7 @@ export class World {
     Object.assign(this, { w: width, h: height, ratio, dirty: true });
     this.renderer.setPixelRatio(ratio);
     this.renderer.setSize(width, height, false);
+    if (!this.touched) this.home();
   }
 
   /** Where the second view lies: [left, top, width, height] in px of the canvas. */

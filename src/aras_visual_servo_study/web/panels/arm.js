@@ -1,6 +1,7 @@
 // The arm, the target and the camera in three dimensions.
 import { button, card, el, isDark, notice } from "../lib/dom.js";
 import { meshOf } from "../lib/meshes.js";
+import { placeAt } from "../lib/model.js";
 import { hasWebGL, World } from "../lib/world.js";
 
 const load = async (about) => Object.fromEntries(await Promise.all(about.robot.meshes.map(async (name) => {
@@ -14,9 +15,9 @@ const make = (page) => {
     body.append(el("p", { class: "absent", id: "no-webgl" }, "This browser has no WebGL, so the arm is not drawn. The camera's image, the curves and all controls work without it."));
     return box;
   }
-  const canvas = el("canvas", { id: "world", tabindex: 0, "aria-label": "the arm; drag to turn, wheel to zoom, drag the target to move it" });
-  const inset = el("button", { class: "inset", type: "button", title: "The observer's view; click to change places with the large one" });
-  body.append(canvas, inset, el("p", { class: "hint" }, "Drag turns the view, the wheel or two fingers zoom, the right button or two fingers shift. Drag the target to move it, the ring around it to turn it."));
+  const canvas = el("canvas", { id: "world", tabindex: 0, role: "application", "aria-label": "the arm: arrow keys turn the view, plus and minus zoom, Home shows all of it; the target can be moved in the panel Target" });
+  const inset = el("button", { class: "inset", type: "button", hidden: true, "aria-label": "change places with the large view", title: "The observer's view; click to change places with the large one" });
+  body.append(canvas, inset, el("p", { class: "hint" }, "Drag turns the view, the wheel or two fingers zoom, the right button or two fingers shift. Drag the target to move it, the ring around it to turn it. Keys: arrows, + and −, Home."));
   let world = null;
   const toggle = (text, title, on, act) => {
     const control = button(text, title, () => { control.setAttribute("aria-pressed", String(act())); }, { "aria-pressed": String(on), class: "quiet" });
@@ -24,8 +25,8 @@ const make = (page) => {
   };
   head.append(el("span", { class: "tools" },
     button("Home", "The view from where everything is seen", () => world?.home(), { class: "quiet" }),
-    toggle("Follow", "The view goes with the camera", false, () => { world?.follow(!world.follows); return world?.follows; }),
-    toggle("Observer", "A second view, from an observer beside the arm", true, () => { if (world) { world.second = !world.second; world.dirty = true; inset.hidden = !world.second; } return world?.second; })));
+    toggle("Ride along", "The view goes with the camera", false, () => { world?.follow(!world.follows); return world?.follows; }),
+    toggle("Observer", "A second view, from an observer beside the arm", false, () => { if (world) { world.second = !world.second; world.dirty = true; inset.hidden = !world.second; } return world?.second; })));
   inset.onclick = () => { if (world) { world.swapped = !world.swapped; world.dirty = true; } };
 
   let sent = 0, later = 0;
@@ -44,7 +45,7 @@ const make = (page) => {
     const geometries = await load(about);
     const old = world;
     world = new World(canvas, about, geometries, isDark());
-    if (old) { world.second = old.second; world.eye.position.copy(old.eye.position); world.controls.target.copy(old.controls.target); old.controls.dispose(); world.controls.update(); }
+    if (old) { world.second = old.second; world.eye.position.copy(old.eye.position); world.controls.target.copy(old.controls.target); world.touched = old.touched; old.controls.dispose(); world.controls.update(); }
     world.draggable(place);
     page.world = world;
     world.size(canvas.clientWidth, canvas.clientHeight);
@@ -57,12 +58,13 @@ const make = (page) => {
     if (world && x !== undefined) world.setPath(rows.filter((row) => row[x] !== null).map((row) => [row[x], row[y], row[z]]));
   };
   model.on("about", (about) => build(about).catch((error) => notice("arm", error.message)));
-  model.on("state", (state) => world?.show(state));
-  model.on("image", ({ bitmap }) => world?.image(bitmap));
+  model.on("shown", (state) => world?.show(state));
+  model.on("picture", ({ bitmap }) => world?.image(bitmap));
+  model.on("past", (past) => path(past ? past.rows.slice(0, placeAt(past.rows, past.t) + 1) : model.rows));
   model.on("goal", (goal) => world?.setGoal(goal ? goal.pose : null));
   model.on("theme", () => world?.build(isDark()));
   let shown = 0;
-  model.on("rows", (rows) => { if (performance.now() - shown > 100) { shown = performance.now(); path(rows); } });
+  model.on("rows", (rows) => { if (!model.past && performance.now() - shown > 100) { shown = performance.now(); path(rows); } });
   build(model.about).catch((error) => notice("arm", error.message));
 
   canvas.addEventListener("webglcontextlost", (event) => { event.preventDefault(); notice("webgl", "The browser has taken the 3-D view away; reload the page to have it back."); });

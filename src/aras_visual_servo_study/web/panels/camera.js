@@ -1,5 +1,6 @@
 // What the camera sees: the live image with its features, the goal image beside it and blended over it, trajectories.
 import { button, card, el } from "../lib/dom.js";
+import { placeAt } from "../lib/model.js";
 
 const SEEN = "#e4572e", WANTED = "#00a878", TRAIL = "#0b8fd0", MOST = 900;
 
@@ -30,7 +31,7 @@ const mark = (pen, marks, colour, k, wanted) => {
 
 const make = (page) => {
   const { model } = page, { card: box, head, body } = card("Camera", "camera");
-  const live = el("canvas", { id: "live" }), goal = el("canvas", { id: "goal" });
+  const live = el("canvas", { id: "live" }), caption = el("figcaption", {}, "live"), goal = el("canvas", { id: "goal" });
   const blend = el("input", { type: "range", min: 0, max: 1, step: 0.01, value: 0, id: "blend", "aria-label": "how much of the goal image lies over the live one" });
   const show = { features: true, trails: true };
   const toggle = (name, title) => {
@@ -40,10 +41,10 @@ const make = (page) => {
   head.append(el("span", { class: "tools" }, toggle("features", "Draw what the servo sees (cross) and wants (ring)"), toggle("trails", "Draw the way of each point through the image")));
   body.append(
     el("div", { class: "pictures" },
-      el("figure", {}, live, el("figcaption", {}, "live")),
+      el("figure", {}, live, caption),
       el("figure", {}, goal, el("figcaption", {}, "goal"))),
     el("label", { class: "blend" }, el("span", {}, "goal over live"), blend));
-  let trails = [], last = -1;
+  let trails = [], last = -1, shown = null, trail = [];   // trail: of the target's centre, up to a moment of the past
 
   const fit = (canvas) => {
     const { width, height } = model.about.camera, k = Math.max(1, Math.min(4, Math.round((canvas.clientWidth || width) * Math.min(devicePixelRatio || 1, 2) / width)));
@@ -53,9 +54,9 @@ const make = (page) => {
     return { pen, k };
   };
   const draw = () => {
-    if (model.image) {
+    if (shown) {
       const { pen, k } = fit(live);
-      pen.drawImage(model.image.bitmap, 0, 0, live.width, live.height);
+      pen.drawImage(shown.bitmap, 0, 0, live.width, live.height);
       if (model.goal && Number(blend.value) > 0) {
         pen.globalAlpha = Number(blend.value);
         pen.drawImage(model.goal.bitmap, 0, 0, live.width, live.height);
@@ -64,10 +65,10 @@ const make = (page) => {
       if (show.trails) {
         pen.lineWidth = 1.6;
         pen.strokeStyle = TRAIL;
-        for (const trail of trails) {
+        for (const way of model.past ? [trail] : trails) {
           pen.beginPath();
           let on = false;
-          for (const p of trail) {
+          for (const p of way) {
             if (!p) { on = false; continue; }
             if (on) pen.lineTo((p[0] + 0.5) * k, (p[1] + 0.5) * k); else pen.moveTo((p[0] + 0.5) * k, (p[1] + 0.5) * k);
             on = true;
@@ -75,14 +76,14 @@ const make = (page) => {
           pen.stroke();
         }
       }
-      if (show.features) { mark(pen, model.goal?.marks, WANTED, k, true); mark(pen, model.image.marks, SEEN, k, false); }
+      if (show.features) { mark(pen, model.goal?.marks, WANTED, k, true); mark(pen, shown.marks, SEEN, k, false); }
     }
     const { pen, k } = fit(goal);
     if (model.goal) { pen.drawImage(model.goal.bitmap, 0, 0, goal.width, goal.height); if (show.features) mark(pen, model.goal.marks, WANTED, k, true); }
     else {
       pen.clearRect(0, 0, goal.width, goal.height);
       pen.fillStyle = getComputedStyle(box).getPropertyValue("--soft");
-      pen.font = `${9 * k + 3}px system-ui, sans-serif`;
+      pen.font = `${11 * goal.width / Math.max(goal.clientWidth, 1)}px system-ui, sans-serif`;
       pen.textAlign = "center";
       pen.fillText("nothing taught yet", goal.width / 2, goal.height / 2);
     }
@@ -97,7 +98,14 @@ const make = (page) => {
     last = state.t;
     page.phase = state.phase;
   });
-  model.on("image", ({ marks }) => { if (marks) remember(marks); draw(); });
+  model.on("image", ({ marks }) => { if (marks) remember(marks); });
+  model.on("picture", (picture) => { shown = picture; draw(); });
+  model.on("past", (past) => {
+    caption.textContent = past ? `at ${past.t.toFixed(2)} s` : "live";
+    if (!past) return;
+    const { u, v } = past.column, end = placeAt(past.rows, past.t) + 1;
+    trail = past.rows.slice(Math.max(0, end - MOST), end).map((row) => (row[u] === null ? null : [row[u], row[v]]));
+  });
   model.on("goal", draw);
   model.on("theme", draw);
   model.on("about", () => { trails = []; });

@@ -10,7 +10,7 @@ const plain = (symbol) => symbol.replace("_", "");
 export const charts = (about, column) => {
   const units = [...new Set(about.features.map((feature) => feature.read_unit))];
   const errors = about.features.map((feature) => ({
-    name: `e_${feature.name}_${feature.read_unit}`, label: `${plain(feature.symbol)}${units.length > 1 ? ` ${feature.read_unit}` : ""}`, title: feature.label,
+    name: `e_${feature.name}_${feature.read_unit}`, label: `${plain(feature.symbol)}${units.length > 1 ? ` ${feature.read_unit}` : ""}`, title: `${feature.label}, threshold ${Number((feature.factor * feature.threshold).toPrecision(3))} ${feature.read_unit}`, symbol: feature.symbol, unit: units.length > 1 ? ` ${feature.read_unit}` : "",
     colour: feature.colour, value: times(feature.factor, column[`e.${feature.name}`]), level: feature.factor * feature.threshold }));
   const velocity = (letters, factor, unit) => letters.map((letter, i) => ({ name: `${letter}_${unit}`, label: letter, colour: XYZ[i], value: times(factor, column[`v.${letter}`]) }));
   const joints = about.joints.map((joint, i) => {
@@ -20,7 +20,7 @@ export const charts = (about, column) => {
       value: (row) => (row[at] === null || row[at] === undefined ? null : 2 * (row[at] - low) / (high - low) - 1) };
   });
   return [
-    { key: "errors", title: "Errors", unit: units.map((unit) => `[${unit}]`).join(", "), series: errors, least: 0.01 },
+    { key: "errors", title: "Errors", unit: units.map((unit) => `[${unit}]`).join(", "), series: errors, least: 0.01, log: true },
     { key: "linear_velocity", title: "Camera velocity", unit: "[mm/s]", series: velocity(["vx", "vy", "vz"], 1e3, "mm_per_s"), fixed: true, least: 1 },
     { key: "angular_velocity", title: "Camera turning", unit: "[deg/s]", series: velocity(["wx", "wy", "wz"], 180 / Math.PI, "deg_per_s"), fixed: true, least: 0.2 },
     { key: "joints", title: "Joints", unit: "between their limits, −1 to 1", series: joints, fixed: true, low: -1, high: 1, lines: [-1, 1] },
@@ -33,34 +33,42 @@ export const charts = (about, column) => {
 };
 
 const make = (page) => {
-  const { model } = page, { card: box, head, body } = card("Curves", "curves");
-  const shared = { window_s: 20, from: null, to: null, paused: false, cursor: null };
-  let drawn = [], kept = null, due = false;
+  const { model, shared } = page, { card: box, head, body } = card("Curves", "curves");
+  let drawn = [], kept = null, due = false, built = "";
   const redraw = () => {
     if (due) return;
     due = true;
-    requestAnimationFrame(() => { due = false; for (const chart of drawn) chart.take(shared.paused ? kept : model.rows); sync(); });
+    requestAnimationFrame(() => {
+      due = false;
+      const { run, over } = shared, { about, column } = run || model;
+      if (String(about.rows) !== built) build(about, column);
+      if (over && !over.charts) over.charts = Object.fromEntries(charts(over.about, over.column).map((spec) => [spec.key, spec.series]));
+      for (const chart of drawn) chart.take(run ? run.rows : shared.paused ? kept : model.rows, run ? run.marks : [], run && over);
+      sync();
+    });
   };
+  page.redraw = redraw;
   const pause = button("Hold", "Hold the curves still; the run goes on", () => {
     shared.paused = !shared.paused;
     kept = shared.paused ? model.rows.slice() : null;
     redraw();
   }, { class: "quiet", "aria-pressed": "false", id: "hold" });
-  const whole = button("Follow", "Show the newest again (double click on a curve)", () => { shared.from = shared.to = null; shared.paused = false; redraw(); }, { class: "quiet" });
-  const window_s = el("select", { title: "How much is shown", id: "window", onchange: () => { shared.window_s = Number(window_s.value); shared.from = shared.to = null; redraw(); } },
+  const whole = button("All of it", "Take the zoom back (double click on a curve)", () => { shared.from = shared.to = null; shared.paused = false; redraw(); }, { class: "quiet" });
+  const window_s = el("select", { title: "How much is shown", "aria-label": "how much is shown", id: "window", onchange: () => { shared.window_s = Number(window_s.value); shared.from = shared.to = null; redraw(); } },
     ...[[5, "5 s"], [10, "10 s"], [20, "20 s"], [60, "1 min"], [600, "all"]].map(([value, label]) => el("option", { value, selected: value === 20 }, label)));
-  const sync = () => { pause.setAttribute("aria-pressed", String(shared.paused)); whole.disabled = shared.from === null && !shared.paused; };
-  head.append(el("span", { class: "tools" }, window_s, pause, whole));
-  const build = (about) => {
-    drawn = charts(about, model.column).map((spec) => new Chart(spec, shared, redraw));
+  const sync = () => { window_s.hidden = pause.hidden = Boolean(shared.run); note.textContent = shared.run ? `${page.runs.name(shared.run)}${shared.over ? `; dashed: ${page.runs.name(shared.over)}` : ""}` : ""; pause.setAttribute("aria-pressed", String(shared.paused)); whole.disabled = shared.from === null && !shared.paused; };
+  const note = el("small", { id: "curves-of" });
+  head.append(note, el("span", { class: "tools" }, window_s, pause, whole));
+  const build = (about, column) => {
+    built = String(about.rows);
+    drawn = charts(about, column).map((spec) => new Chart(spec, shared, redraw));
     body.replaceChildren(...drawn.map((chart) => chart.element));
     page.charts = drawn;
-    redraw();
   };
-  model.on("about", build);
+  model.on("about", (about) => { if (!shared.run) build(about, model.column); redraw(); });
   model.on("rows", redraw);
   model.on("theme", () => drawn.forEach((chart) => chart.recolour()));
-  build(model.about);
+  build(model.about, model.column);
   return box;
 };
 

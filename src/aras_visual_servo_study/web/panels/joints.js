@@ -1,5 +1,6 @@
 // Joints by hand, while nothing is servoed.
 import { el, folding, notice } from "../lib/dom.js";
+import { readIn } from "../lib/units.js";
 
 const make = (page) => {
   const { model } = page, { card: box, body } = folding("Joints by hand"), note = el("p", { class: "soft" });
@@ -8,6 +9,7 @@ const make = (page) => {
     rows = about.joints.map((joint, i) => {
       const low = joint.lower ?? -Math.PI, high = joint.upper ?? Math.PI;
       const slider = el("input", { type: "range", min: low, max: high, step: (high - low) / 1000, "aria-label": joint.name, "data-joint": joint.name }), output = el("output");
+      const read = readIn(about.robot.joints.find(({ name }) => name === joint.name)?.type === "prismatic" ? "m" : "rad");
       let held = false, sent = 0;
       const send = (always) => {
         if (!always && performance.now() - sent < 50) return;
@@ -19,7 +21,8 @@ const make = (page) => {
       return { i, slider, output, show: (state, quiet) => {
         slider.disabled = !quiet;
         if (!held && document.activeElement !== slider) slider.value = state.q[i];
-        output.textContent = state.q[i].toFixed(3).replace("-", "−");
+        output.textContent = `${(read.factor * state.q[i]).toFixed(1).replace("-", "−")} ${read.unit}`;
+        slider.setAttribute("aria-valuetext", output.textContent);
       }, field: el("div", { class: "field" }, el("label", {}, joint.name), slider, output) };
     });
     body.replaceChildren(note, ...rows.map((row) => row.field));

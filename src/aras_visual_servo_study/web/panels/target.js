@@ -1,6 +1,7 @@
 // The target: where it is, and a motion for it.
 import { button, el, folding, notice } from "../lib/dom.js";
 import { kindOf, start } from "../lib/fields.js";
+import { keyWords, readIn } from "../lib/units.js";
 
 const make = (page) => {
   const { model } = page, { card: box, body } = folding("Target", true);
@@ -21,21 +22,21 @@ const make = (page) => {
       if (state.target) where.textContent = `x ${(1e3 * state.target[0]).toFixed(1)}   y ${(1e3 * state.target[1]).toFixed(1)}   z ${(1e3 * state.target[2]).toFixed(1)} mm`;
     });
     const kinds = about.schema.sim.properties.scene.properties.models.items.properties.motion.oneOf;
-    const choice = el("select", { id: "motion", onchange: () => fill() }, el("option", { value: "" }, "at rest"), ...kinds.map((kind) => el("option", { value: kind.properties.type.const }, kind.properties.type.const.replaceAll("_", " "))));
+    const choice = el("select", { id: "motion", "aria-label": "motion of the target", onchange: () => fill() }, el("option", { value: "" }, "at rest"), ...kinds.map((kind) => el("option", { value: kind.properties.type.const }, kind.properties.type.const.replaceAll("_", " "))));
     const form = el("div", { class: "form" });
     const fill = () => {
       const kind = choice.value && kindOf(kinds, { type: choice.value });
       form.replaceChildren(...(kind ? Object.entries(kind.properties).filter(([key]) => key !== "type").map(([key, schema]) => {
-        const first = GOOD[choice.value]?.[key] ?? start(schema);
-        const input = el("input", { type: "text", value: JSON.stringify(first), "data-key": key, spellcheck: "false", "aria-label": key });
-        return el("div", { class: "field", title: schema.description }, el("label", {}, key, schema.unit ? el("small", {}, ` ${schema.unit}`) : ""), input);
+        const first = GOOD[choice.value]?.[key] ?? start(schema), { factor, unit } = readIn(schema.unit);
+        const input = el("input", { type: "text", value: JSON.stringify(scaled(first, factor)), "data-key": key, "data-factor": factor, spellcheck: "false", "aria-label": `${keyWords(key)} ${unit}` });
+        return el("div", { class: "field", title: schema.description }, el("label", {}, keyWords(key), unit ? el("small", {}, ` ${unit}`) : ""), input);
       }) : []));
     };
     const give = button("Give it this motion", "From where it is, from now on", () => {
       if (!choice.value) { ask({ do: "move_target", motion: null }); return; }
       const motion = { type: choice.value };
       try {
-        for (const input of form.querySelectorAll("input")) motion[input.dataset.key] = JSON.parse(input.value);
+        for (const input of form.querySelectorAll("input")) motion[input.dataset.key] = scaled(JSON.parse(input.value), 1 / Number(input.dataset.factor));
       } catch (error) { notice("target", `motion: found no JSON: ${error.message}`); return; }
       ask({ do: "move_target", motion });
     }, { id: "give-motion" });
@@ -48,6 +49,9 @@ const make = (page) => {
   build(model.about);
   return box;
 };
+
+/** A number, or a list of them, times a factor; anything else as it is. */
+const scaled = (value, factor) => (factor === 1 ? value : Array.isArray(value) ? value.map((one) => scaled(one, factor)) : typeof value === "number" ? Number((factor * value).toPrecision(9)) : value);
 
 /** Motions that one sees and a servo can follow. */
 const GOOD = {

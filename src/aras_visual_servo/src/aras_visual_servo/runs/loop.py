@@ -189,9 +189,9 @@ class ServoLoop(SimulatedCell):
             raise ParameterError("teach: no image has come yet")
         self.sequence.teach(self.seen.stamp_ns, self.seen.features, self.seen.q, z_star_m)
 
-    def start(self, servo_only: bool = False) -> None:
-        """Begins the experiment with the next image; servo_only: servo to the reference taught last."""
-        self.sequence.start(servo_only=servo_only)
+    def start(self, servo_only: bool = False, again: bool = False) -> None:
+        """Begins the experiment with the next image. Args and errors: those of `ExperimentSequence.start`."""
+        self.sequence.start(servo_only, again)
 
     def step(self) -> Tuple[ServoRecord, Any, np.ndarray]:
         """Takes one image and answers it.

@@ -2,6 +2,7 @@
 
     idle -> to_goal -> settle_goal -> teach -> to_start -> settle_start -> servo -> done      start()
     idle -> servo -> done                                                                     start(servo_only=True)
+    idle -> to_start -> settle_start -> servo -> done                                         start(again=True)
 
 In to_goal and to_start the joints follow quintic trajectories. settle_* lasts at least settle_s, and then until the
 joints rest. teach lasts two images or more, whose mean view becomes the reference. In servo, `Servo` answers until it
@@ -93,11 +94,15 @@ class ExperimentSequence:
         """True once `result` is there."""
         return self.phase == "done"
 
-    def start(self, servo_only: bool = False) -> None:
-        """Begins with the next step. Args: servo_only: with the reference taught last; ParameterError without one."""
-        if servo_only and self.servo.reference is None:
+    def start(self, servo_only: bool = False, again: bool = False) -> None:
+        """Begins with the next step.
+
+        Args: servo_only: from here, to the reference taught last.  again: to the same reference, from the start.
+        Raises: ParameterError: one of the two without a reference.
+        """
+        if (servo_only or again) and self.servo.reference is None:
             raise ParameterError("servo: no reference, teach one first")
-        self._reset("settle_start" if servo_only else "to_goal")
+        self._reset("settle_start" if servo_only else "to_start" if again else "to_goal")
         self._servo_only = servo_only
 
     def teach(self, stamp_ns: int, features: Any, q: JointPositions, z_star_m: Optional[float] = None) -> None:

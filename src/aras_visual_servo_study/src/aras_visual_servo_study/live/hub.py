@@ -12,15 +12,18 @@ from typing import Any, Dict, Sequence
 import numpy as np
 
 from aras_visual_servo import eight_bit
+from .history import Pictures
 
 WINDOW = 6
 QUALITY = 88  # of JPEG
 #: Rows that one message carries at most; a page that has missed more takes them in turn.
-MOST_ROWS = 400
+MOST_ROWS = 3000
 
 
 class Hub:
     """Makes the messages, each once for all viewers.
+
+    Attributes: pictures: `Pictures` that pages were sent, with their marks, for a page that goes back in time.
 
     Args: runner: `Runner`, or what has its attributes sample, rows, about and watched.
         notes: what a page is told to begin with, beside what the runner has to say.
@@ -29,13 +32,14 @@ class Hub:
     def __init__(self, runner: Any, notes: Sequence[str] = ()) -> None:
         self._runner, self._notes, self._viewers = runner, list(notes), []
         self._number, self._about, self._goal = -1, None, None
-        self._last_row, self._image_number, self._jpeg = -1, -1, b""
+        self._image_number, self._jpeg = -1, b""
+        self.pictures = Pictures()
 
     def add(self, viewer: Any) -> None:
         """A page has come: `viewer` has send(bytes or str), and gets attributes `behind` and `next_row`."""
         viewer.behind, viewer.next_row, viewer.image_number = 0, 0, -1
         self._viewers.append(viewer)
-        self._runner.watched = True
+        self._runner.watched = self._runner.attended = True
         viewer.send(_text(self._about_message()))
         if self._goal is not None:
             viewer.send(_goal_message(self._goal))
@@ -44,7 +48,7 @@ class Hub:
         """A page has gone."""
         if viewer in self._viewers:
             self._viewers.remove(viewer)
-        self._runner.watched = bool(self._viewers)
+        self._runner.watched = self._runner.attended = bool(self._viewers)
 
     @property
     def viewers(self) -> int:
@@ -105,13 +109,12 @@ class Hub:
         if with_image:
             head["marks"] = sample.marks
             image = self._encoded(sample)
-        text = json.dumps(head, separators=(",", ":"), allow_nan=False).encode()
-        return struct.pack("<I", len(text)) + text + image, rows[-1][0] + 1 if rows else first_row
+        return _framed(head, image), rows[-1][0] + 1 if rows else first_row
 
     def _rows(self, first):
         """The rows from this one on, MOST_ROWS of them at most: then every second, third ... from the newest back."""
         found = []
-        for entry in reversed(self._runner.rows.copy()):
+        for entry in reversed(self._runner.rows):
             if entry[0] < first:
                 break
             found.append(entry)
@@ -120,6 +123,7 @@ class Hub:
     def _encoded(self, sample):
         if self._image_number != sample.image_number:
             self._jpeg, self._image_number = jpeg(sample.image), sample.image_number
+            self.pictures.keep(sample.image_number, _framed({"type": "picture", "marks": sample.marks}, self._jpeg))
         return self._jpeg
 
 
@@ -134,8 +138,13 @@ def jpeg(image: np.ndarray) -> bytes:
 
 def _goal_message(goal):
     _, image, marks, pose = goal
-    text = json.dumps({"type": "goal", "marks": marks, "pose": pose}, separators=(",", ":")).encode()
-    return struct.pack("<I", len(text)) + text + jpeg(image)
+    return _framed({"type": "goal", "marks": marks, "pose": pose}, jpeg(image))
+
+
+def _framed(head, image):
+    """Length of the head (uint32), the head in JSON, the image."""
+    text = json.dumps(head, separators=(",", ":"), allow_nan=False).encode()
+    return struct.pack("<I", len(text)) + text + image
 
 
 def _text(message):

@@ -33,6 +33,18 @@ class Start:
              "the goal that was taught last.")
 
 
+@REQUESTS.register("again", do="again")
+@dataclass(frozen=True)
+class Again:
+    """Drive to the start of the experiment and servo to the goal that was taught last."""
+
+
+@REQUESTS.register("draw_start", do="draw_start")
+@dataclass(frozen=True)
+class DrawStart:
+    """Ask for another start from which the target is in view; the answer has it as `start`, and nothing moves."""
+
+
 @REQUESTS.register("stop", do="stop")
 @dataclass(frozen=True)
 class Stop:
@@ -94,6 +106,15 @@ class Set:
 
     values: object = setting(
         help="Value by path, e.g. `servo.gains_per_s.xn` or `sim.cameras.0.noise_stddev`; null takes a key out.")
+    reset: bool = setting(False, help="Begin anew with them, also with those that wait for a reset.")
+
+
+@REQUESTS.register("offer", do="offer")
+@dataclass(frozen=True)
+class Offer:
+    """Ask what has to be set so that another law can servo; nothing changes."""
+
+    law: str = setting(not_empty=True, help="Its name; the answer has `features`, `values` and `reset` for `set`.")
 
 
 @REQUESTS.register("place_target", do="place_target")

@@ -198,6 +198,12 @@ class RosRun(PageRun):
         self.hand.let_go()
         self._send_goal(request.reference)
 
+    def do_again(self, _request: Any) -> None:
+        self.do_start(Start())
+
+    def do_draw_start(self, _request: Any) -> Dict[str, Any]:
+        raise ParameterError("draw_start: over ROS the start is read when the nodes begin; allowed: `aras-servo live`")
+
     def do_stop(self, _request: Any) -> None:
         self.hand.let_go()
         call_service("stop", Trigger)
@@ -220,6 +226,8 @@ class RosRun(PageRun):
         call_service("sim/step", Step, max(1, round(request.images / rate_hz / sim.get("period_s", 0.001))))
 
     def do_set(self, request: Any) -> Dict[str, Any]:
+        if request.reset:
+            raise ParameterError("set.reset: found true; over ROS the simulator alone begins anew, allowed false")
         others = [path for path in (request.values or {}) if not acts_at_once(path, self.at_once)]
         if others:
             raise ParameterError(f"{', '.join(others)}: over ROS this is read when the nodes start; allowed are "

@@ -1,20 +1,32 @@
 """A run as pages see and change it. `run.LiveRun` is the backend in this process, `over_ros.RosRun` that over ROS."""
 
 import math
+import re
 from typing import Any, Dict, List, Optional, Sequence, Set, Tuple
 
 import numpy as np
 import yaml
 
-from aras_visual_servo import (TWIST_NAMES, Features, ParameterError, RobotKinematics, Scenario, Servo, ServoRecord,
-                               Status, known_features, known_laws, scenario_schema, spatial, styles)
+from aras_visual_servo import (JOINT_HALF_WIDTH, TWIST_NAMES, Feasibility, Features, ParameterError, RobotKinematics,
+                               Scenario, Servo, ServoRecord, Status, known_features, known_laws, scenario_schema,
+                               spatial, styles, works_on)
+from .advice import Moment, Seen, advice
 from .following import Following
 from .hand import Hand
+from .offers import offer_for
 from .settings import AT_ONCE, changed
 from .view.projection import project
 from .view.scene import drawn, pose_numbers
 
 QUIET = ("idle", "done")
+#: The end of a name that stands for a number, as in xN, the first coordinate of point N.
+NUMBERED = re.compile("N$")
+#: How many random starts are tried to find one from which the target is in view.
+MOST_STARTS = 200
+#: Columns of a row that hold the poses of camera and target.
+POSES = ("x", "y", "z", *(f"camera.{name}" for name in ("qx", "qy", "qz", "qw")),
+         *(f"target.{name}" for name in ("x", "y", "z", "qx", "qy", "qz", "qw")))
+NO_POSE = (None,) * 7
 
 
 class PageRun:
@@ -34,6 +46,7 @@ class PageRun:
 
     def __init__(self, scenario: Scenario) -> None:
         self.scenario, self.version, self.images, self.watched = scenario, 0, 0, False
+        self._draws = 0
         # A target that the arm carries moves with every motion of the arm: nobody has to follow it.
         self.follow = scenario.robot.get("target_link") is None
 
@@ -47,6 +60,9 @@ class PageRun:
         self.features: Optional[Features] = None
         self.goal: Optional[Tuple[np.ndarray, Dict[str, Any], List[float]]] = None
         self.X_WC, self.taught, self._marked, self._marks = np.eye(4), False, None, {}
+        self._seen: Optional[Seen] = None
+        self._advised: Optional[Tuple[Status, str, str]] = None
+        self._advice = "", ""
         self.waiting: Set[str] = set()
         self.version += 1
 
@@ -65,13 +81,19 @@ class PageRun:
                     for style, threshold in zip(styles(self.servo.feature_names), self.servo.config.thresholds)]
         rows = ["t", *(f"e.{name}" for name in self.servo.feature_names), *(f"v.{name}" for name in TWIST_NAMES),
                 *(f"q.{name}" for name in self.kinematics.joint_names), "condition", "manipulability",
-                "real_time_factor", "x", "y", "z", "u", "v"]
+                "real_time_factor", *POSES, "u", "v", "image", "status", "servo"]
         return {
             **drawn(self.scenario, self.kinematics, self.camera_info, self.camera_pose()[:3, 3], self.target_pose(),
                     self.target),
-            "features": features, "scenario": self.scenario.name, "description": self.scenario.description,
+            "statuses": [status.name for status in Status],
+            "draws_starts": not self.asks_nodes, "features": features,
+            "scenario": self.scenario.name, "description": self.scenario.description,
             "rows": rows, "schema": scenario_schema()["properties"], "at_once": list(self.at_once),
-            "choices": {"servo.law": known_laws(), "servo.features": known_features()}, "version": self.version,
+            "choices": {"servo.law": known_laws(), "servo.features": known_features()},
+            "works_on": {name: works_on(name) for name in known_laws()},
+            "known": [{"name": style.name, "symbol": style.symbol, "label": style.label}
+                      for style in styles([NUMBERED.sub("1", name) for name in known_features()])],
+            "version": self.version,
             **self.standing()}
 
     def standing(self) -> Dict[str, Any]:
@@ -80,19 +102,32 @@ class PageRun:
 
     def row(self, real_time_factor: float) -> List[Optional[float]]:
         """Returns the numbers of the last image that curves show (`rows` of `about`), None where one does not exist."""
-        record = self.record
+        record, centre = self.record, self.marks()["centre"]
+        if centre is not None:
+            self._seen = Seen(record.stamp_ns * 1e-9, *centre)
         numbers = [record.stamp_ns * 1e-9, *record.e, *record.twist, *record.q, record.cond_l, record.manipulability,
-                   real_time_factor, *self.X_WC[:3, 3]]
-        return [rounded(x) for x in numbers] + list(self.marks()["centre"] or (None, None))
+                   real_time_factor]
+        poses = pose_numbers(self.X_WC) or NO_POSE, pose_numbers(self.target_pose()) or NO_POSE
+        return [*(rounded(x) for x in numbers), *poses[0], *poses[1],
+                *(centre or (None, None)), self.images, int(record.status), int(record.phase == "servo")]
 
     def state(self) -> Dict[str, Any]:
         """Returns what moves, for JSON."""
         record = self.record
         return {"t": round(self.time_ns * 1e-9, 4), "q": [rounded(x) for x in self.joints()],
                 "camera": pose_numbers(self.camera_pose()), "target": pose_numbers(self.target_pose()),
-                "status": (record.status if record else Status.IDLE).name,
-                "text": record.status_text if record else "", "phase": self.phase, "taught": self.taught,
-                "frame": self.frame, "follow": self.follow}
+                "phase": self.phase, "taught": self.taught, "frame": self.frame, "follow": self.follow,
+                **self.why(record.status if record else Status.IDLE, record.status_text if record else "")}
+
+    def why(self, status: Status, text: str) -> Dict[str, str]:
+        """Returns, for JSON, why the run is where it is (status, text), and what a user can do now (kind, advice)."""
+        q, moment = self.joints(), (status, text, self.phase)
+        if self._advised != moment and q is not None:
+            size = self.camera_info["width"], self.camera_info["height"]
+            self._advised = moment
+            self._advice = advice(Moment(*moment, self.kinematics, q, size, self._seen))
+        kind, now = self._advice
+        return {"status": status.name, "text": text, "kind": kind, "advice": now}
 
     def marks(self) -> Dict[str, Any]:
         """Returns what is drawn into the last image, see `marks_of`."""
@@ -160,16 +195,40 @@ class PageRun:
         self._quiet("joint")
         self.hand.hold(request.name, request.position, self.joints())
 
-    def do_save(self, request: Any) -> Dict[str, Any]:
-        """Answers with the scenario file: the target where it is and, if asked for, the start where the arm is."""
-        scenario, X_WT, values = self.scenario, self.target_pose(), {"name": request.name}
-        for key, path in (("urdf", scenario.urdf_path), ("controllers", scenario.controllers_path)):
-            given = scenario.robot[key]
-            values[f"robot.{key}"] = given if given.startswith("package://") else str(path.resolve())
-        for i, model in enumerate(scenario.sim.get("scene", {}).get("models", []) if X_WT is not None else ()):
+    def do_offer(self, request: Any) -> Dict[str, Any]:
+        offer = offer_for(self.scenario, request.law)
+        # A goal that was taught with one source of features does not tell what another would see.
+        source = Servo(self.kinematics, changed(self.scenario, offer["values"]).servo).source
+        return {**offer, "reset": offer["reset"] or source is not self.servo.source}
+
+    def do_draw_start(self, _request: Any) -> Dict[str, Any]:
+        """Answers with joints drawn evenly about the goal's, within `JOINT_HALF_WIDTH`; the first that are feasible."""
+        scenario = changed(self.scenario, {"name": self.scenario.name, **self._target_values()})
+        feasibility, goal = Feasibility(scenario, self.kinematics), scenario.goal_posture(self.kinematics)
+        self._draws += 1
+        draws = np.random.default_rng(self._draws)
+        for _ in range(MOST_STARTS):
+            start = goal + JOINT_HALF_WIDTH * draws.uniform(-1.0, 1.0, len(goal))
+            if not feasibility.refusal(goal, start):
+                return {"start": {"joints": {name: round(q, 4) for name, q in self.kinematics.by_name(start).items()}}}
+        raise ParameterError(f"draw_start: none of {MOST_STARTS} starts within {JOINT_HALF_WIDTH:g} m or rad of the "
+                             "goal shows the target; allowed is a target that is in view at the goal")
+
+    def _target_values(self):
+        """Dotted path -> value of a scenario whose target, if it rests, is where it is now."""
+        X_WT, values = self.target_pose(), {}
+        for i, model in enumerate(self.scenario.sim.get("scene", {}).get("models", []) if X_WT is not None else ()):
             if model["name"] == self.target and {"motion", "attached_to"}.isdisjoint(model):
                 values[f"sim.scene.models.{i}.position_m"] = [round(float(x), 6) for x in X_WT[:3, 3]]
                 values[f"sim.scene.models.{i}.rpy_rad"] = [round(x, 7) for x in spatial.rpy_of(X_WT[:3, :3])]
+        return values
+
+    def do_save(self, request: Any) -> Dict[str, Any]:
+        """Answers with the scenario file: the target where it is and, if asked for, the start where the arm is."""
+        scenario, values = self.scenario, {"name": request.name, **self._target_values()}
+        for key, path in (("urdf", scenario.urdf_path), ("controllers", scenario.controllers_path)):
+            given = scenario.robot[key]
+            values[f"robot.{key}"] = given if given.startswith("package://") else str(path.resolve())
         if request.start_here:
             values["experiment.start"] = {"joints": {
                 name: round(float(x), 7) for name, x in zip(self.kinematics.joint_names, self.joints())}}

@@ -98,6 +98,13 @@ class LiveRun(PageRun):
             self.loop.sequence = self._sequence(self.servo, self.scenario)
         self._begin(request.reference == "taught")
 
+    def do_again(self, _request: Any) -> None:
+        if self.servo.reference is None:
+            raise ParameterError("again: nothing was taught yet; run the experiment, or teach this view first")
+        self.loop.sequence = self._sequence(self.servo, self.scenario)
+        self.hand.let_go()
+        self.loop.start(again=True)
+
     def do_stop(self, _request: Any) -> None:
         self.hand.let_go()
         if self.phase not in QUIET:
@@ -124,6 +131,9 @@ class LiveRun(PageRun):
 
     def do_set(self, request: Any) -> Dict[str, Any]:
         scenario, loop, servo = changed(self.scenario, request.values), self.loop, None
+        if request.reset:
+            self._begin_anew(scenario)
+            return {"waiting": []}
         if scenario.servo != self.scenario.servo:
             servo = self.servo.retuned(scenario.servo)
         at_once = {path for path in request.values if acts_at_once(path)}
@@ -140,6 +150,15 @@ class LiveRun(PageRun):
         if {"servo.features", "servo.law"} & set(request.values):
             self.version += 1
         return {"waiting": sorted(set(request.values) - at_once)}
+
+    def _begin_anew(self, scenario):
+        """Builds the run of this scenario; as before if that fails."""
+        before, self.scenario = self.scenario, scenario
+        try:
+            self._build(None)
+        except Exception:
+            self.scenario = before
+            raise
 
     def _sequence(self, servo, scenario):
         return ExperimentSequence(self.kinematics, servo, scenario.experiment, self.loop._teach_camera)

@@ -4,26 +4,26 @@ Requests wait in a queue until the thread is between two images. What a page see
 no more often than pages can show it, and only while somebody watches: without a viewer a run costs what it costs alone.
 """
 
-import collections
 import logging
 import queue
 import threading
 import time
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Any, Dict, Optional
+from typing import Any, Dict, List, Optional, Tuple
 
 import numpy as np
 
-from aras_visual_servo import ArasError
+from aras_visual_servo import ArasError, Status
+from .history import MOST_ROWS, thinned
 from .page_run import PageRun
 
 #: Wall time between two samples, and between two images [s].
 STATE_S, IMAGE_S = 1.0 / 60.0, 1.0 / 30.0
+#: Wall time between two rows of a servo that is watched: a fast one takes many images in a short wall time [s].
+SERVO_ROW_S = 0.01
 #: Wall time after which the real-time factor is measured anew [s].
 MEASURED_S = 0.5
-#: Rows kept for a page that comes later: ten minutes of them.
-MOST_ROWS = 18_000
 #: A run that has fallen this far behind its speed does not catch up [s].
 BEHIND_S = 0.1
 #: Longest that a run sleeps without looking for requests [s].
@@ -54,8 +54,10 @@ class Runner:
     Args: speed: simulated time per wall time, 0 as fast as possible.
         on_first_viewer: request that is done when the first page looks, or None.
     Attributes:
-        sample: the newest `Sample`, None before the first.  rows: (index, row) of the images, the newest last.
-        watched: whether somebody looks.  about: of the run, made in its thread.
+        sample: the newest `Sample`, None before the first.  rows: (index, row) of images, the newest last; it may be
+        replaced by another list at any time, and grows at its end only.
+        watched: whether a page is ready for news.
+        attended: whether a page is open.  about: of the run, made in its thread.
     """
 
     def __init__(self, run: PageRun, speed: float = 1.0, on_first_viewer: Any = None) -> None:
@@ -67,9 +69,10 @@ class Runner:
         self._state_s = self._image_s = -1.0
         self._trouble = ""
         self._image, self._image_number, self._marks, self._goal = None, 0, None, None
-        self._row_at_s, self._row_count = -1.0, 0
-        self.rows = collections.deque(maxlen=MOST_ROWS)
+        self._row_at_s, self._row_count, self._row_phase = -1.0, 0, ""
+        self.rows: List[Tuple[int, List[Optional[float]]]] = []
         self.sample, self.watched, self.about = None, False, run.about()
+        self.attended = False
         self._thread = threading.Thread(target=self._work, name="live run", daemon=True)
 
     def start(self) -> None:
@@ -125,8 +128,8 @@ class Runner:
         if self.about["version"] != self._run.version:
             names = self.about["rows"]
             self.about = self._run.about()
-            if self.about["rows"] != names or request.do == "reset":
-                self.rows.clear()
+            if self.about["rows"] != names or request.do == "reset" or getattr(request, "reset", False):
+                self.rows = []
         elif request.do == "set":
             self.about = {**self.about, **self._run.standing()}
         if request.do in ("reset", "start"):
@@ -176,7 +179,7 @@ class Runner:
     def _measure(self):
         now = time.perf_counter(), self._run.time_ns
         if self._measured is not None and now[1] < self._measured[1]:
-            self.rows.clear()  # the simulator was reset
+            self.rows = []  # the simulator was reset
             self._measured = None
         if self._measured is None:
             self._measured = now
@@ -185,11 +188,15 @@ class Runner:
             self._measured = now
 
     def _note_row(self):
-        wall_s = time.perf_counter()
-        if wall_s - self._row_at_s >= 0.9 * IMAGE_S or self._paused:
-            self._row_at_s = wall_s
+        wall_s, phase = time.perf_counter(), self._run.phase
+        least_s = SERVO_ROW_S if self.attended and phase == "servo" else 0.9 * IMAGE_S
+        # The first and the last image of a servo are moments that the time line marks.
+        if self._paused or phase != self._row_phase or wall_s - self._row_at_s >= least_s:
+            self._row_at_s, self._row_phase = wall_s, phase
             self.rows.append((self._row_count, self._run.row(self._factor)))
             self._row_count += 1
+            if len(self.rows) > MOST_ROWS:
+                self.rows = thinned(self.rows, lambda entry: entry[0])  # a new list: pages may be reading the old one
 
     def _show(self):
         """Make a new sample if somebody looks and it is time for one."""
@@ -210,6 +217,6 @@ class Runner:
         state: Dict[str, Any] = {"paused": self._paused, "speed": self._speed, "factor": round(self._factor, 3),
                                  **run.state()}
         if self._trouble:
-            state.update(status="FAULT", text=self._trouble)
+            state.update(run.why(Status.FAULT, self._trouble))
         number = 0 if self.sample is None else self.sample.number + 1
         self.sample = Sample(number, state, self._image, self._image_number, self._marks, self._goal, run.version)

@@ -139,6 +139,12 @@ class Files(Guarded, tornado.web.RequestHandler):
         if folder == "mesh" and rest in self.server.meshes:
             self.set_header("Content-Type", "application/octet-stream")
             return self.finish(self.server.meshes[rest])
+        if folder == "picture" and rest.isdigit() and len(rest) < 16:
+            picture = self.server.hub.pictures.at(int(rest))
+            if picture is None:
+                raise tornado.web.HTTPError(404)
+            self.set_header("Content-Type", "application/octet-stream")
+            return self.finish(picture)
         if folder == "three" and rest in THREE_FILES:
             return self._send(three_file(rest))
         root = (share_dir() / "web").resolve()

@@ -207,6 +207,60 @@ def test_stop_stops_and_servo_goes_on_from_there(run):
     assert images(run, SERVO_IMAGES, ended) and run.record.status == Status.CONVERGED
 
 
+def test_a_law_comes_with_what_it_needs(run):
+    offer = run.do(ask.Offer("pbvs"))
+    assert offer["features"] == ["tx", "ty", "tz", "rx", "ry", "rz"] and not offer["reset"]
+    run.do(ask.Set(offer["values"]))
+    assert images(run, 3, ended) is False and servoing(run) and len(run.record.e) == 6
+    there = run.do(ask.Offer("photometric"))
+    assert there["reset"] and "vision.photometric" in there["values"]
+    run.do(ask.Set(there["values"], reset=True))
+    assert run.servo.feature_names == ("photometric",) and run.time_ns == 0 and run.waiting == set()
+    back = run.do(ask.Offer("decoupled"))
+    assert back["reset"]
+    with pytest.raises(ParameterError, match="servo.law: found magic"):
+        run.do(ask.Offer("magic"))
+    with pytest.raises(ParameterError, match="servo.sliding"):
+        run.do(ask.Offer("sliding"))
+
+
+def test_a_reset_with_settings_that_fail_leaves_the_run(run):
+    scenario, loop = run.scenario, run.loop
+    with pytest.raises(ParameterError):
+        run.do(ask.Set({"sim.cameras.0.width": -5}, reset=True))
+    assert run.scenario is scenario and run.loop is loop and images(run, 1) is False
+
+
+def test_again_servos_from_the_start_to_the_goal_that_stands(run):
+    with pytest.raises(ParameterError, match="again: nothing was taught"):
+        LiveRun(load_scenario("experiment_1")).do(ask.Again())
+    first = run.record.e
+    assert images(run, SERVO_IMAGES, ended)
+    reference = run.servo.reference
+    run.do(ask.Again())
+    assert images(run, DRIVE_IMAGES, servoing) and run.servo.reference is reference
+    assert run.record.e == pytest.approx(first, rel=0.01)
+    assert run.row(1.0)[run.about()["rows"].index("servo")] == 1
+
+
+def test_another_start_shows_the_target_and_is_servoed_from(run):
+    draws = [run.do(ask.DrawStart())["start"] for _ in range(2)]
+    assert draws[0] != draws[1] and run.loop.sequence.phase == "servo"
+    run.do(ask.Stop())
+    run.do(ask.Set({"experiment.start": draws[1]}))
+    run.do(ask.Again())
+    assert images(run, DRIVE_IMAGES, servoing)
+    q = dict(zip(run.kinematics.joint_names, run.joints()))
+    assert q == pytest.approx(draws[1]["joints"], abs=0.02)  # the first image of the servo moves it
+    assert images(run, SERVO_IMAGES, ended) and run.record.status == Status.CONVERGED
+
+
+def test_a_start_is_not_drawn_where_the_target_is_out_of_view(run):
+    run.do(ask.PlaceTarget((3.0, 0.0, 0.2), (0.0, 0.0, 0.0, 1.0)))
+    with pytest.raises(ParameterError, match="draw_start: none of"):
+        run.do(ask.DrawStart())
+
+
 def test_teach_makes_this_view_the_goal(run):
     with pytest.raises(ParameterError, match="phase servo, allowed when it is stopped"):
         run.do(ask.Teach())

@@ -11,7 +11,7 @@ from tornado.httpclient import AsyncHTTPClient, HTTPClientError, HTTPRequest
 from tornado.websocket import websocket_connect
 
 from aras_visual_servo import load_scenario, ParameterError
-from aras_visual_servo_study.live.hub import Hub, WINDOW
+from aras_visual_servo_study.live.hub import Hub, MOST_ROWS, WINDOW
 from aras_visual_servo_study.live.messages import Start
 from aras_visual_servo_study.live.run import LiveRun
 from aras_visual_servo_study.live.runner import Runner
@@ -89,7 +89,8 @@ def test_only_who_knows_the_address_gets_anything():
         for name in ("main.js", "style.css", "three/three.min.js", "panels.json", "panels/arm.js", "lib/world.js"):
             assert await status(address + name) == 200, name
         assert await status(address + "mesh/" + next(iter(server.meshes))) == 200
-        for name in ("../package.xml", "%2e%2e/package.xml", "mesh/nothing", "three/three.js", "nothing.js", "lib"):
+        for name in ("../package.xml", "%2e%2e/package.xml", "mesh/nothing", "picture/x", "three/three.js",
+                     "nothing.js", "lib"):
             assert await status(address + name) == 404, name
         wrong = address.replace(server.token, "x" * len(server.token))
         assert await status(wrong) == 404 and await status(wrong + "socket") == 404
@@ -116,6 +117,9 @@ def test_a_page_gets_what_it_draws_and_the_run_begins():
         first = await viewer.until(lambda message: message["type"] == "now" and message["image"])
         assert first["image"].startswith(b"\xff\xd8") and first["marks"]["centre"]
         moving = await viewer.until(lambda message: message["type"] == "now" and message["state"]["phase"] == "to_goal")
+        pictured = await AsyncHTTPClient().fetch(server.address + "picture/1000000000")
+        size, = struct.unpack_from("<I", pictured.body)
+        assert json.loads(pictured.body[4:4 + size])["marks"] and pictured.body[4 + size:].startswith(b"\xff\xd8")
         row = (await viewer.until(lambda message: message["type"] == "now" and message["rows"]))["rows"][0]
         assert len(row) == len(about["rows"]) and len(moving["state"]["q"]) == len(about["joints"])
 
@@ -236,9 +240,9 @@ class FakeRunner:
 
 
 def test_rows_that_a_page_has_missed_are_thinned_evenly():
-    hub = Hub(FakeRunner([(i, [i]) for i in range(1000)]))
+    hub = Hub(FakeRunner([(i, [i]) for i in range(10000)]))
     rows = hub._rows(100)
-    assert rows[-1] == (999, [999]) and len(rows) <= 400 and rows[0][0] >= 100
+    assert rows[-1] == (9999, [9999]) and len(rows) <= MOST_ROWS and rows[0][0] >= 100
 
 
 def test_a_page_is_told_what_cannot_be_drawn():

@@ -1,0 +1,146 @@
+"""What a user can do next, by the way a servo has ended or by what holds it back: the one table of the live page.
+
+    kind, text = advice(Moment(status, text, ...))
+
+The first row of `TABLE` counts whose status and pattern fit. Its text may name what the pattern has found, and what a
+function of `FACTS` finds in the run.
+"""
+
+import re
+from dataclasses import dataclass
+from typing import Callable, Dict, NamedTuple, Optional, Tuple
+
+import numpy as np
+
+from aras_visual_servo import RobotKinematics, Status
+
+#: How far a joint is turned to see whether it leads out of a singularity [rad or m].
+TRIED = 0.1
+#: Length that makes translations and rotations of the camera comparable [m].
+LENGTH_M = 0.3
+#: An image is divided into thirds to say where the target was seen last.
+SIDES = ("left", "", "right"), ("top", "", "bottom")
+#: Where the camera would have to go on, in its own frame -> what brings the target back within reach.
+DRAGS = {"vx+": "left in the camera's image", "vx-": "right in the camera's image", "vy+": "up in the camera's image",
+         "vy-": "down in the camera's image", "vz+": "towards the camera", "vz-": "away from the camera",
+         "wx+": "back to where it lies flat", "wx-": "back to where it lies flat", "wy+": "back to where it lies flat",
+         "wy-": "back to where it lies flat", "wz+": "back by a turn of its ring",
+         "wz-": "back by a turn of its ring"}
+
+
+class Seen(NamedTuple):
+    """Where the target was seen last: t_s [s], u, v [px]."""
+
+    t_s: float
+    u: float
+    v: float
+
+
+@dataclass(frozen=True)
+class Moment:
+    """What advice is given on.
+
+    Attributes: status, text, phase: of the record.  q: (n,) joint positions.  size: (width, height) of the image [px].
+        seen: where the target was seen last, or None.
+    """
+
+    status: Status
+    text: str
+    phase: str
+    kinematics: RobotKinematics
+    q: np.ndarray
+    size: Tuple[int, int]
+    seen: Optional[Seen] = None
+
+
+def _last_seen(moment: Moment) -> str:
+    if moment.seen is None:
+        return "It was not seen since the goal was taught"
+    t_s, u, v = moment.seen
+    across, down = (names[min(2, max(0, int(3 * at / most)))] for names, at, most in zip(SIDES, (u, v), moment.size))
+    where = " ".join(filter(None, (down, across))) or "middle"
+    return f"It was last seen at {t_s:.2f} s, at the {where} of the image (pixel {u:.0f}, {v:.0f})"
+
+
+def _way_out(moment: Moment) -> str:
+    """The joint that leads out of a singularity when it is bent, and the direction, in words."""
+    kinematics, scale = moment.kinematics, np.array([1.0 / LENGTH_M] * 3 + [1.0] * 3)
+
+    def least(q: np.ndarray) -> float:
+        return float(np.linalg.svd(scale[:, None] * kinematics.jacobian(q), compute_uv=False)[-1])
+
+    best = 0.0, "", 0.0
+    for i, name in enumerate(kinematics.joint_names):
+        for step in (TRIED, -TRIED):
+            q = np.array(moment.q, dtype=float)
+            q[i] += step
+            if kinematics.lower[i] <= q[i] <= kinematics.upper[i]:
+                best = max(best, (least(q), name, step))
+    return f"{best[1]} in its {'positive' if best[2] > 0.0 else 'negative'} direction"
+
+
+#: Name in a text of the table -> function that finds it in the run.
+FACTS: Dict[str, Callable[[Moment], str]] = {"last_seen": _last_seen, "way_out": _way_out}
+
+JOINT = r"joint '(?P<joint>[^']+)'"
+AT_LIMIT = rf"{JOINT} at its limit|at their limits, the others go on: (?P<joints>[^;)]+)"
+ENDS = (Status.TIMED_OUT, Status.STOPPED)
+HELD = (Status.OUT_OF_REACH, Status.JOINT_LIMIT, Status.NEAR_SINGULARITY, Status.SERVOING)
+
+#: (kind, statuses, pattern of the text, what to do now).
+TABLE: Tuple[Tuple[str, Tuple[Status, ...], str, str], ...] = (
+    ("out_of_reach", (*HELD, *ENDS), r"(?:go on|cannot go on) by (?P<way>\w\w) (?P<sign>[+-])",
+     "Drag the target {drag}: the arm goes on as soon as it can reach it."),
+    ("chatters", (*HELD, *ENDS), rf"{JOINT} chatters",
+     "{joint} reverses because the arm is close to a singularity: drag the target nearer, bend {way_out}, or raise "
+     "servo.inverse.damping."),
+    ("joint_limit", (*HELD, *ENDS), AT_LIMIT,
+     "{joint} has no way left: drag the target to where {joint} can turn back, or stop and move {joint} by hand, or "
+     "start from another posture."),
+    ("singular", (*HELD, *ENDS), r"part of the twist cannot be achieved",
+     "The arm is singular here: drag the target nearer, or stop and bend {way_out}."),
+    ("lost_target_ended", (Status.STOPPED,), r"target lost",
+     "{last_seen}. Drag it back below the camera and press \u201cServo from here\u201d, or press Again."),
+    ("lost_target_at_start", (Status.TARGET_LOST,), r"at the start|where servoing starts|at the goal",
+     "{last_seen}. Drag it below the camera and press \u201cServo from here\u201d, or press Run all."),
+    ("lost_target", (Status.TARGET_LOST,), "", "{last_seen}. Drag it back below the camera: the servo goes on."),
+    ("lost_in_time_limit", (Status.TIMED_OUT,), r"target (?:not in view|cut|lost)",
+     "{last_seen}. The target left the image: lower the gains or the latency, or drag it back below the camera."),
+    ("stale_in_time_limit", (Status.TIMED_OUT,), r"no features|no image",
+     "No images arrive: look at latency and lost frames under \u201cNoise, latency, exposure, light\u201d."),
+    ("not_held", (Status.TIMED_OUT,), r"everything for less than hold_s",
+     "It was below its thresholds only at times: lower the gains or the noise, or raise the thresholds."),
+    ("timed_out", (Status.TIMED_OUT,), "",
+     "The error has not gone below its thresholds in time: watch whether it still falls (raise the gains or "
+     "servo.time_limit_s), stays (raise the thresholds) or swings (lower the gains or the latency)."),
+    ("stopped", (Status.STOPPED,), "",
+     "\u201cServo from here\u201d goes on to the goal that was taught; Run all begins anew."),
+    ("stale", (Status.STALE_INPUT,), "",
+     "The arm waits for an image: look at latency and lost frames under \u201cNoise, latency, exposure, light\u201d."),
+    ("held_at_end", (Status.FAULT,), JOINT, "Drive {joint} free by hand, or press Reset."),
+    ("fault", (Status.FAULT,), "", "Change what the sentence names, then press Reset."),
+    ("converged", (Status.CONVERGED, Status.STOPPED_BY_RULE), "",
+     "Drag the target to see it followed, or change a gain and press Again to compare."),
+    ("settled", (Status.SETTLED,), "",
+     "These features do not tell more: use more pixels or samples, or features that see what is left."),
+    ("idle", (Status.IDLE,), "", "Run all drives to the goal, teaches it, drives to the start and servoes."),
+)
+_PATTERNS = [re.compile(pattern) for _, _, pattern, _ in TABLE]
+
+
+def advice(moment: Moment) -> Tuple[str, str]:
+    """Returns (kind, what to do now) for a moment of a run; ("", "") while it goes on as it should."""
+    if moment.phase not in ("servo", "done", "idle"):
+        return "", ""
+    for (kind, statuses, _, text), pattern in zip(TABLE, _PATTERNS):
+        found = pattern.search(moment.text) if moment.status in statuses else None
+        if found is None:
+            continue
+        words = {key: value for key, value in found.groupdict().items() if value}
+        if "joints" in words:
+            words["joint"] = words["joints"].partition(", ")[0].strip()
+        if "way" in words:
+            words["drag"] = DRAGS[words["way"] + words["sign"]]
+        words.update({name: fact(moment) for name, fact in FACTS.items() if "{" + name + "}" in text})
+        return kind, text.format(**words)
+    return "", ""

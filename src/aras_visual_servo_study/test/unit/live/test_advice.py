@@ -1,0 +1,64 @@
+"""What the page advises: the kind of each end, and what it names of the run."""
+
+import numpy as np
+import pytest
+
+from aras_visual_servo import Status, kinematics_of, load_scenario
+from aras_visual_servo_study.live.advice import DRAGS, TABLE, Moment, Seen, advice
+
+ARM = kinematics_of(load_scenario("experiment_1").urdf_xml(), load_scenario("experiment_1").robot, calibrated=False)
+REACH = "out of reach; in its own frame the camera would have to go on by vx -0.123 m/s, vy +0.041 m/s"
+TIME = "not converged after 20.0 s: yn; for the last 3.0 s the arm could not do what was asked ({})"
+LIMIT = "joint 'J2' at its limit, speed times 0.43"
+
+
+def told(status, text, phase="servo", q=(0.0,) * 6, seen=None):
+    return advice(Moment(status, text, phase, ARM, np.array(q), (320, 240), seen))
+
+
+@pytest.mark.parametrize("status, text, kind, named", [
+    (Status.OUT_OF_REACH, REACH, "out_of_reach", DRAGS["vx-"]),
+    (Status.TIMED_OUT, TIME.format(REACH), "out_of_reach", DRAGS["vx-"]),
+    (Status.NEAR_SINGULARITY, "joint 'J5' chatters: it reverses from image to image", "chatters", "J5"),
+    (Status.TIMED_OUT, TIME.format("joint 'J5' chatters: it reverses"), "chatters", "J5"),
+    (Status.JOINT_LIMIT, LIMIT, "joint_limit", "J2"), (Status.TIMED_OUT, TIME.format(LIMIT), "joint_limit", "J2"),
+    (Status.TIMED_OUT, TIME.format("at their limits, the others go on: J3, J1"), "joint_limit", "J3"),
+    (Status.NEAR_SINGULARITY, "part of the twist cannot be achieved here", "singular", "J3 in its"),
+    (Status.TARGET_LOST, "target not in view", "lost_target", "not seen since"),
+    (Status.STOPPED, "target lost for 10 s", "lost_target_ended", ""),
+    (Status.TIMED_OUT, "not converged after 20.0 s: xn", "timed_out", "servo.time_limit_s"),
+    (Status.TIMED_OUT, "not converged after 20.0 s: everything for less than hold_s", "not_held", ""),
+    (Status.TIMED_OUT, TIME.format("target cut by the border"), "lost_in_time_limit", "not seen since"),
+    (Status.STOPPED, "stopped from the page", "stopped", ""), (Status.STALE_INPUT, "no image", "stale", ""),
+    (Status.FAULT, "to_goal: joint 'J1' was sent to 1 and rests at 0", "held_at_end", "J1"),
+    (Status.CONVERGED, "features, tilt and pose within their thresholds", "converged", ""),
+    (Status.SETTLED, "arrived as far as these features tell", "settled", "")])
+def test_each_end_has_its_kind_and_names_what_it_is_about(status, text, kind, named):
+    found, now = told(status, text)
+    assert found == kind and named in now and "{" not in now
+
+
+def test_while_all_goes_well_nothing_is_advised():
+    assert told(Status.SERVOING, "servoing") == ("", "") and told(Status.IDLE, "to_goal", "to_goal") == ("", "")
+
+
+def test_a_lost_target_is_told_with_where_it_was_seen():
+    _, now = told(Status.TARGET_LOST, "target not in view", seen=Seen(8.25, 310.0, 12.0))
+    assert "8.25 s" in now and "top right" in now and "310, 12" in now
+
+
+def test_the_way_out_of_a_singularity_raises_the_smallest_singular_value():
+    def least(q):
+        return np.linalg.svd(np.diag([1 / 0.3] * 3 + [1.0] * 3) @ ARM.jacobian(q), compute_uv=False)[-1]
+
+    q = np.array([0.0, -0.02, 0.01, 0.01, 0.0, 0.0])
+    words = told(Status.NEAR_SINGULARITY, "part of the twist cannot be achieved here", q=q)[1].split()
+    name, sign = words[words.index("bend") + 1], 1 if "positive" in words else -1
+    step = 0.1 * sign * np.eye(6)[ARM.joint_names.index(name)]
+    assert least(q + step) > 3.0 * least(q)
+
+
+def test_every_status_that_ends_a_servo_or_holds_it_has_a_row():
+    assert {status for _, statuses, _, _ in TABLE for status in statuses} == set(Status)
+    assert all(told(status, "")[0] for status in Status if status not in (
+        Status.SERVOING, Status.JOINT_LIMIT, Status.NEAR_SINGULARITY, Status.OUT_OF_REACH))
