@@ -141,6 +141,11 @@ class LessonInHand:
         """Begins to record a run: that of the scene, or that with a change, for which an answer was foretold."""
         self._builder, self._change, self._answer, self._told = builder, change, answer, {}
 
+    def break_off(self) -> None:
+        """Ends what is recorded, because the run begins anew."""
+        if self._builder is not None:
+            self._end(None, "The run began anew before it had ended. Set the scene again.")
+
     def take(self, record: ServoRecord, X_WC: Any) -> None:
         """Adds an image of the run. Its last one is checked."""
         builder = self._builder

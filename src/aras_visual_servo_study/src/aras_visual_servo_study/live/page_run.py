@@ -199,6 +199,11 @@ class PageRun:
         self._quiet("joint")
         self.hand.hold(request.name, request.position, self.joints())
 
+    def do_lesson(self, _request: Any) -> Optional[Dict[str, Any]]:
+        raise ParameterError("lesson: found a run over ROS, allowed one in process (aras-servo live)")
+
+    do_try_lesson = do_lesson
+
     def do_offer(self, request: Any) -> Dict[str, Any]:
         offer = offer_for(self.scenario, request.law)
         # A goal that was taught with one source of features does not tell what another would see.

@@ -33,6 +33,8 @@ class LiveRun(PageRun):
         self.loop = loop = ServoLoop(self.scenario, sim=sim)
         self.renew(loop.kinematics, loop.servo, loop.camera_info, loop._target)
         self._built_sim = self.scenario.sim
+        if self._lesson is not None:
+            self._lesson.break_off()
 
     # --- what stands there --------------------------------------------------------------------------------------
 

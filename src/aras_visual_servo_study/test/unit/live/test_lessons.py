@@ -5,6 +5,7 @@ import pytest
 from aras_visual_servo import load_scenario, ParameterError, Status
 from aras_visual_servo_study.live import messages as ask
 from aras_visual_servo_study.live.lesson import LESSONS, lessons, load_lessons
+from aras_visual_servo_study.live.page_run import PageRun
 from aras_visual_servo_study.live.run import LiveRun
 
 WHOLE_NS = 10**12
@@ -93,6 +94,18 @@ def test_what_is_not_the_lessons_is_refused_and_a_stop_is_no_answer():
     with pytest.raises(ParameterError) as error:
         run.do(ask.TryLesson("delay 9 s", "maybe"))
     assert len(error.value.faults) == 3
+
+
+def test_a_reset_breaks_a_lesson_off_and_a_run_over_ros_gives_none():
+    run = LiveRun(load_scenario("experiment_1"))
+    run.do(ask.SetLesson("latency"))
+    run.advance(WHOLE_NS)
+    run.do(ask.Reset())
+    assert not run.state()["lesson"]["running"] and not run.state()["lesson"]["ready"]
+    for request in (ask.SetLesson("latency"), ask.TryLesson("delay 0.1 s", "smooth")):
+        with pytest.raises(ParameterError):
+            PageRun.do_lesson(run, request)
+    assert PageRun.lessons(run) == [] and PageRun.do_try_lesson is PageRun.do_lesson
 
 
 def test_a_folder_of_ones_own_is_read_and_all_its_faults_are_told(tmp_path, known):
