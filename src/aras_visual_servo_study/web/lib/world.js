@@ -21,11 +21,11 @@ export const hasWebGL = () => {
 };
 
 export class World {
-  /** canvas: to draw on.  about: as the run sends it.  geometries: mesh name -> BufferGeometry.  dark: colours. */
-  constructor(canvas, about, geometries, dark = false) {
+  /** canvas: to draw on.  about: as the run sends it.  geometries: mesh name -> BufferGeometry.  dark: colours.  renderer: of the canvas, if it has one. */
+  constructor(canvas, about, geometries, dark = false, renderer = null) {
     this.canvas = canvas;
     this.about = about;
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: false });
+    this.renderer = renderer || new THREE.WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: false });
     this.renderer.gammaOutput = true;
     this.renderer.gammaFactor = 2.2;
     this.renderer.shadowMap.enabled = true;

@@ -44,7 +44,7 @@ const make = (page) => {
     notice("drawn", about.notes.join(" · "));
     const geometries = await load(about);
     const old = world;
-    world = new World(canvas, about, geometries, isDark());
+    world = new World(canvas, about, geometries, isDark(), old?.renderer);
     if (old) { world.second = old.second; world.eye.position.copy(old.eye.position); world.controls.target.copy(old.controls.target); world.touched = old.touched; old.controls.dispose(); world.controls.update(); }
     world.draggable(place);
     page.world = world;

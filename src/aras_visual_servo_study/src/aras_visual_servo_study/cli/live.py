@@ -4,6 +4,7 @@ import sys
 import webbrowser
 from argparse import ArgumentParser, Namespace
 from asyncio import Future
+from pathlib import Path
 
 from aras_visual_servo import ParameterError, cli
 from aras_visual_servo.processes import run_until_signal
@@ -20,16 +21,21 @@ def _options(parser: ArgumentParser) -> None:
                         help="simulated time per wall time (default: 1; 0: as fast as possible)")
     parser.add_argument("--idle", action="store_true",
                         help="wait for a button, instead of beginning with the first page")
+    parser.add_argument("--lessons", type=Path, action="append", default=[], metavar="FOLDER",
+                        help="folder with lessons of your own, one Python file each; may be given again")
     parser.add_argument("--open", action="store_true", help="open the page in the browser")
 
 
 def _work(arguments: Namespace) -> int:
+    from ..live.lesson import load_lessons
     from ..live.messages import Start
     from ..live.run import LiveRun
     from ..live.runner import Runner
     from ..live.server import Server, is_loopback
     if not 0.0 <= arguments.speed <= 1000.0:
         raise ParameterError(f"--speed: found {arguments.speed:g}, allowed 0 to 1000")
+    for folder in arguments.lessons:
+        load_lessons(folder)
     run = LiveRun(cli.scenario_of(arguments))
     runner = Runner(run, arguments.speed, None if arguments.idle else Start())
 

@@ -143,6 +143,24 @@ class Joint:
     position: float = setting(unit="m, rad", help="Where to, within its limits.")
 
 
+@REQUESTS.register("lesson", do="lesson")
+@dataclass(frozen=True)
+class SetLesson:
+    """Set the scene of a lesson and run it, or leave the lesson; the run begins anew."""
+
+    name: Optional[str] = setting(
+        None, help="Its name; without, the lesson is left, and the scenario of before it comes back.")
+
+
+@REQUESTS.register("try_lesson", do="try_lesson")
+@dataclass(frozen=True)
+class TryLesson:
+    """Run the scene of the lesson with one thing changed, and check the answer against the run."""
+
+    change: str = setting(not_empty=True, help="What is changed, one of the lesson's.")
+    answer: str = setting(not_empty=True, help="What the student foretells, the key of one of the lesson's answers.")
+
+
 @REQUESTS.register("save", do="save")
 @dataclass(frozen=True)
 class Save:

@@ -86,7 +86,7 @@ class PageRun:
             **drawn(self.scenario, self.kinematics, self.camera_info, self.camera_pose()[:3, 3], self.target_pose(),
                     self.target),
             "statuses": [status.name for status in Status],
-            "draws_starts": not self.asks_nodes, "features": features,
+            "draws_starts": not self.asks_nodes, "features": features, "lessons": self.lessons(),
             "scenario": self.scenario.name, "description": self.scenario.description,
             "rows": rows, "schema": scenario_schema()["properties"], "at_once": list(self.at_once),
             "choices": {"servo.law": known_laws(), "servo.features": known_features()},
@@ -95,6 +95,10 @@ class PageRun:
                       for style in styles([NUMBERED.sub("1", name) for name in known_features()])],
             "version": self.version,
             **self.standing()}
+
+    def lessons(self) -> List[Dict[str, Any]]:
+        """Returns, for JSON, the lessons that this backend can give."""
+        return []
 
     def standing(self) -> Dict[str, Any]:
         """Returns the part of `about` that changes with every setting: values, and which wait for a reset."""
@@ -194,6 +198,11 @@ class PageRun:
     def do_joint(self, request: Any) -> None:
         self._quiet("joint")
         self.hand.hold(request.name, request.position, self.joints())
+
+    def do_lesson(self, _request: Any) -> Optional[Dict[str, Any]]:
+        raise ParameterError("lesson: found a run over ROS, allowed one in process (aras-servo live)")
+
+    do_try_lesson = do_lesson
 
     def do_offer(self, request: Any) -> Dict[str, Any]:
         offer = offer_for(self.scenario, request.law)

@@ -14,7 +14,9 @@ from typing import Any, Dict, List, Optional
 
 import numpy as np
 
-from aras_visual_servo import ExperimentSequence, ParameterError, Scenario, ServoLoop, spatial
+from aras_visual_servo import ExperimentSequence, ParameterError, RecordBuilder, Scenario, ServoLoop, spatial
+from .lesson import LESSONS, LessonInHand, lessons
+from .messages import Start
 from .page_run import QUIET, PageRun
 from .settings import acts_at_once, changed, put
 
@@ -24,12 +26,15 @@ class LiveRun(PageRun):
 
     def __init__(self, scenario: Scenario) -> None:
         super().__init__(scenario)
+        self._lesson: Optional[LessonInHand] = None
         self._build(None)
 
     def _build(self, sim: Any) -> None:
         self.loop = loop = ServoLoop(self.scenario, sim=sim)
         self.renew(loop.kinematics, loop.servo, loop.camera_info, loop._target)
         self._built_sim = self.scenario.sim
+        if self._lesson is not None:
+            self._lesson.break_off()
 
     # --- what stands there --------------------------------------------------------------------------------------
 
@@ -75,6 +80,8 @@ class LiveRun(PageRun):
         self.images += 1
         if self.record.phase == "teach" or loop.sequence.teach_stamp_ns == self.record.stamp_ns:
             self.keep_goal(self.X_WC)
+        if self._lesson is not None:
+            self._lesson.take(self.record, self.X_WC)
         if self.phase in QUIET:
             self.drive_by_hand(self.record.stamp_ns)
         if self.begin_again(self.record, loop.seen_target_pose(), self.follow and self.goal is not None):
@@ -128,6 +135,42 @@ class LiveRun(PageRun):
 
     def do_reset(self, _request: Any) -> None:
         self._build(self.loop.sim if self._built_sim == self.scenario.sim else None)
+
+    # --- lessons ------------------------------------------------------------------------------------------------
+
+    def lessons(self) -> List[Dict[str, Any]]:
+        return [lesson.about() for lesson in lessons()]
+
+    def state(self) -> Dict[str, Any]:
+        """Returns what moves, for JSON; with a lesson in hand, how it stands as `lesson`."""
+        state = super().state()
+        return state if self._lesson is None else {**state, "lesson": self._lesson.state()}
+
+    def do_lesson(self, request: Any) -> None:
+        before = self.scenario if self._lesson is None else self._lesson.before
+        if request.name is None:
+            self._lesson = None
+            self._begin_anew(before)
+            return
+        lesson = LESSONS.find(request.name, "lesson.name")()
+        self._begin_anew(lesson.setting())
+        self._lesson = LessonInHand(lesson, before)
+        self._run_lesson()
+
+    def do_try_lesson(self, request: Any) -> None:
+        if self._lesson is None:
+            raise ParameterError("try_lesson: found no lesson in hand, allowed after its scene was set")
+        self._lesson.check(request.change, request.answer)
+        self._begin_anew(self._lesson.lesson.setting(request.change))
+        self._run_lesson(request.change, request.answer)
+
+    def _run_lesson(self, change: str = "", answer: str = "") -> None:
+        """Runs what has been built, and records it for the lesson in hand."""
+        assert self._lesson is not None
+        builder = RecordBuilder(self.scenario.name, self.kinematics.joint_names, self.scenario.as_dict(),
+                                self.servo.feature_names)
+        self._lesson.begin(builder, change, answer)
+        self.do_start(Start())
 
     def do_set(self, request: Any) -> Dict[str, Any]:
         scenario, loop, servo = changed(self.scenario, request.values), self.loop, None

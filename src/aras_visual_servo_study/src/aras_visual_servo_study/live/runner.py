@@ -26,6 +26,8 @@ SERVO_ROW_S = 0.01
 MEASURED_S = 0.5
 #: A run that has fallen this far behind its speed does not catch up [s].
 BEHIND_S = 0.1
+#: Requests with which simulated time begins anew.
+ANEW = ("reset", "lesson", "try_lesson")
 #: Longest that a run sleeps without looking for requests [s].
 NAP_S = 0.02
 
@@ -84,6 +86,10 @@ class Runner:
         self._closed = True
         self._thread.join()
 
+    def urdf_xml(self) -> str:
+        """Returns the robot description of the run as it stands: a lesson may have brought another arm."""
+        return self._run.scenario.urdf_xml()
+
     def submit(self, request: Any) -> Future:
         """Returns the future of the answer to a request: dict, or the ArasError that refused it."""
         if self._pool is not None:
@@ -128,11 +134,11 @@ class Runner:
         if self.about["version"] != self._run.version:
             names = self.about["rows"]
             self.about = self._run.about()
-            if self.about["rows"] != names or request.do == "reset" or getattr(request, "reset", False):
+            if self.about["rows"] != names or request.do in ANEW or getattr(request, "reset", False):
                 self.rows = []
         elif request.do == "set":
             self.about = {**self.about, **self._run.standing()}
-        if request.do in ("reset", "start"):
+        if request.do in ("start", *ANEW):
             self._trouble = ""
         self._state_s = -1.0  # a page sees what came of it at once
         return result or {}

@@ -48,6 +48,7 @@ class Server:
 
     def __init__(self, runner: Runner, urdf_xml: str, token: Optional[str] = None) -> None:
         self.meshes, notes = mesh_blocks(robot_of(urdf_xml))
+        self._urdf_xml = urdf_xml
         self.runner, self.hub, self.address = runner, Hub(runner, notes), ""
         self.token = token or secrets.token_urlsafe(16)
         for name in THREE_FILES:
@@ -55,6 +56,15 @@ class Server:
         self._http = self._hub_task = None
         self.hosts = set()
         self.changed_by = 0
+
+    def mesh(self, name: str) -> bytes:
+        """Returns a mesh of the robot that the run has now. Raises HTTPError 404: it has none of that name."""
+        urdf_xml = self.runner.urdf_xml()
+        if urdf_xml != self._urdf_xml:
+            self._urdf_xml, self.meshes = urdf_xml, mesh_blocks(robot_of(urdf_xml))[0]
+        if name not in self.meshes:
+            raise tornado.web.HTTPError(404)
+        return self.meshes[name]
 
     def listen(self, host: str = "127.0.0.1", port: int = 8765) -> str:
         """Begin to serve, within a running event loop; port 0 takes a free one. Returns the page's address.
@@ -136,9 +146,9 @@ class Files(Guarded, tornado.web.RequestHandler):
         if name == "panels.json":
             self.set_header("Content-Type", "application/json")
             return self.finish(json.dumps(panels()))
-        if folder == "mesh" and rest in self.server.meshes:
+        if folder == "mesh":
             self.set_header("Content-Type", "application/octet-stream")
-            return self.finish(self.server.meshes[rest])
+            return self.finish(self.server.mesh(rest))
         if folder == "picture" and rest.isdigit() and len(rest) < 16:
             picture = self.server.hub.pictures.at(int(rest))
             if picture is None:

@@ -255,6 +255,25 @@ def test_time_goes_back_and_two_runs_lie_over_one_another(serve, tmp_path):
         assert browser.said == []
 
 
+def test_a_lesson_is_set_and_its_answer_checked(serve, tmp_path):
+    with Browser(tmp_path) as browser:
+        browser.open(serve("--idle", "--speed", "0"))
+        browser.wait(READY)
+        browser.value("(() => { document.querySelector('#lesson').closest('details').open = true; "
+                      "document.querySelector('#lesson').value = 'singularity'; return 1; })()")
+        browser.click("#lesson-set")
+        browser.wait("aras.model.state.lesson?.ready && document.querySelector('#lesson-change')")
+        assert browser.value("document.querySelector('#lesson-try').disabled")
+        browser.value("document.querySelector('#lesson-change').selectedIndex = 2")
+        browser.click(".lesson input[value=slower]")
+        browser.click("#lesson-try")
+        browser.wait("aras.model.state.lesson.right === false")
+        assert browser.value("document.querySelector('#lesson-told').dataset.right") == "false"
+        browser.click("#lesson-leave")
+        browser.wait("!aras.model.state.lesson && !document.querySelector('#lesson-change')")
+        assert browser.said == []
+
+
 def test_without_webgl_the_page_says_so_and_keeps_the_rest(serve, tmp_path):
     with Browser(tmp_path) as browser:
         browser.open(serve())
