@@ -117,3 +117,21 @@ def test_what_cannot_be_fitted_is_refused():
     assert [fault.split(":")[0] for fault in error.value.faults] == ["commands", "position"]
     with pytest.raises(ModelError, match="floating"):
         TreeDynamics(NOMINAL.replace('"revolute"', '"floating"', 1))
+
+
+def test_a_position_loop_is_fitted_by_its_own_equation():
+    rng = np.random.default_rng(3)
+    goals = np.repeat(rng.uniform(-0.5, 0.5, 20), 400)  # of every millisecond
+    bandwidth, gain, delay, position, q = 12.0, 0.97, 37, 0.0, []
+    for k in range(len(goals)):
+        q.append(position)
+        goal = goals[k - delay] if k >= delay else 0.0
+        position = gain * goal + (position - gain * goal) * np.exp(-bandwidth * 1e-3)
+    times = np.arange(len(goals)) * 1e-3
+    commands = Commands("position", times[::20], goals[::20, None])
+    found = identify_loops(Recording(("J1",), times[::10], np.array(q)[::10, None] + rng.normal(0, 2e-4, (800, 1)),
+                                     commands=commands))
+    assert [each.name for each in found.unknown] == ["joint_state_delay_s"]
+    for name, truth in (("J1.bandwidth", bandwidth), ("J1.gain", gain), ("J1.command_delay_s", delay * 1e-3)):
+        estimate = found.estimates[name]
+        assert abs(estimate.value - truth) < 3.3 * estimate.stddev < 0.05 * truth
