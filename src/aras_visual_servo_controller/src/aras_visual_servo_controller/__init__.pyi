@@ -6,6 +6,10 @@ from .bags.replay import replay as replay
 from .calibration.camera import calibrate_camera as calibrate_camera
 from .calibration.hand_eye import calibrate_hand_eye as calibrate_hand_eye
 from .calibration.target import target_plane as target_plane
+from .identification.efforts import identify_efforts as identify_efforts
+from .identification.loops import identify_loops as identify_loops
+from .identification.recording import Commands as Commands
+from .identification.recording import Recording as Recording
 from .nodes.graph import Graph as Graph
 from .nodes.launch import run_over_ros as run_over_ros
 
