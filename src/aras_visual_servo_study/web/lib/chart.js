@@ -78,23 +78,21 @@ export class Chart {
     const size = (y) => (this.log ? Math.log10(Math.max(Math.abs(y), 1e-12)) : y);
     let low = Infinity, high = -Infinity;
     const stride = Math.max(1, Math.floor((end - first) / (2 * w)));
+    const missing = (y) => y === null || y === undefined || (this.log && y === 0);
+    const hold = (y) => { low = Math.min(low, size(y)); high = Math.max(high, size(y)); };
     spec.series.forEach((one, s) => {
       if (this.hidden.has(s)) return;
       for (let i = first; i < end; i += stride) {
         const y = one.value(this.rows[i]);
-        if (y === null || y === undefined || (this.log && y === 0)) continue;
-        low = Math.min(low, size(y));
-        high = Math.max(high, size(y));
+        if (!missing(y)) hold(y);
       }
-      if (this.log && one.level) { low = Math.min(low, size(one.level)); high = Math.max(high, size(one.level)); }
+      if (this.log && one.level) hold(one.level);
     });
     const others = this.others();
     for (const { value, rows, shift } of others) {
       for (const row of rows) {
         const y = value(row);
-        if (y === null || y === undefined || (this.log && y === 0) || row[0] + shift < from || row[0] + shift > to) continue;
-        low = Math.min(low, size(y));
-        high = Math.max(high, size(y));
+        if (!missing(y) && row[0] + shift >= from && row[0] + shift <= to) hold(y);
       }
     }
     const empty = first < end && !this.spec.series.some((one, s) => !this.hidden.has(s) && this.rows.slice(first, end).some((row) => (one.value(row) ?? null) !== null));
@@ -127,6 +125,18 @@ export class Chart {
     pen.beginPath();
     pen.rect(LEFT, TOP - 2, w - LEFT - RIGHT, h - TOP - BOTTOM + 4);
     pen.clip();
+    /** A curve through every step-th row, with gaps where a value is missing; shift: added to the time of the rows [s]. */
+    const trace = (rows, value, { begin = 0, stop = rows.length, step = 1, shift = 0 }) => {
+      pen.beginPath();
+      let on = false;
+      for (let i = begin; i < stop; i += step) {
+        const y = value(rows[i]);
+        if (missing(y)) { on = false; continue; }
+        if (on) pen.lineTo(X(rows[i][0] + shift), Y(size(y))); else pen.moveTo(X(rows[i][0] + shift), Y(size(y)));
+        on = true;
+      }
+      pen.stroke();
+    };
     spec.series.forEach((one, s) => {
       if (this.hidden.has(s)) return;
       pen.strokeStyle = onPage(one.colour);
@@ -139,29 +149,13 @@ export class Chart {
       }
       pen.lineWidth = 1.7;
       pen.lineJoin = "round";
-      pen.beginPath();
-      let on = false;
-      for (let i = first; i < end; i += stride) {
-        const y = one.value(this.rows[i]);
-        if (y === null || y === undefined || (this.log && y === 0)) { on = false; continue; }
-        if (on) pen.lineTo(X(this.rows[i][0]), Y(size(y))); else pen.moveTo(X(this.rows[i][0]), Y(size(y)));
-        on = true;
-      }
-      pen.stroke();
+      trace(this.rows, one.value, { begin: first, stop: end, step: stride });
       pen.lineWidth = 1;
     });
     for (const { value, rows, shift, colour: own } of others) {
       pen.strokeStyle = onPage(own);
       pen.setLineDash([3, 3]);
-      pen.beginPath();
-      let on = false;
-      for (const row of rows) {
-        const y = value(row);
-        if (y === null || y === undefined || (this.log && y === 0)) { on = false; continue; }
-        if (on) pen.lineTo(X(row[0] + shift), Y(size(y))); else pen.moveTo(X(row[0] + shift), Y(size(y)));
-        on = true;
-      }
-      pen.stroke();
+      trace(rows, value, { shift });
       pen.setLineDash([]);
     }
     pen.textAlign = "left";
