@@ -22,6 +22,8 @@ VERBS: Dict[str, Tuple[str, str, str]] = {
     "robot": (CORE, "robot", "print, check and add arms"),
     "scenario": (CORE, "scenario", "list, print, begin and check scenarios; print their keys"),
 }
+#: The word of a verb that may be left out.
+USUAL = {"robot": "show"}
 
 
 def main(argv: Optional[List[str]] = None) -> int:
@@ -30,10 +32,8 @@ def main(argv: Optional[List[str]] = None) -> int:
     typed = os.environ.get("COMP_LINE", "")[:int(os.environ.get("COMP_POINT", 0))].split(" ")
     if "_ARGCOMPLETE" in os.environ and len(typed) > 2 and typed[1] in VERBS:
         os.environ["_ARGCOMPLETE"], words = "2", [typed[1]]  # the words before the verb's own
-    if words[:1] == ["robot"] and len(words) > 1 and words[1] not in ("show", "check", "add", "-h", "--help"):
-        words.insert(1, "show")
     if words and words[0] in VERBS:
-        return guarded(lambda: run_verb(f"{PROGRAM} {words[0]}", verb_named(words[0]), words[1:]))
+        return guarded(lambda: _run(words[0], words[1:]))
     parser = argparse.ArgumentParser(
         prog=PROGRAM, formatter_class=argparse.RawDescriptionHelpFormatter,
         description="Visual servoing: run, watch, sweep and compare scenarios.",
@@ -43,6 +43,13 @@ def main(argv: Optional[List[str]] = None) -> int:
     complete.offer(parser)
     parser.parse_args(words)
     return 0
+
+
+def _run(name: str, words: List[str]) -> int:
+    verb = verb_named(name)
+    if isinstance(verb, dict) and name in USUAL and words and words[0] not in (*verb, "-h", "--help"):
+        words = [USUAL[name], *words]
+    return run_verb(f"{PROGRAM} {name}", verb, words)
 
 
 def verb_named(name: str) -> Verb:
