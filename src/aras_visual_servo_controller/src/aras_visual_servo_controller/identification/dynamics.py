@@ -7,6 +7,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from aras_visual_servo import ModelError
+from aras_visual_servo.spatial import rotation_rpy
 
 MOVING = ("revolute", "continuous", "prismatic")
 
@@ -162,11 +163,7 @@ def _inertia(link):
 
 def _pose(origin):
     place = _numbers(None if origin is None else origin.get("xyz"), (0.0, 0.0, 0.0))
-    roll, pitch, yaw = _numbers(None if origin is None else origin.get("rpy"), (0.0, 0.0, 0.0))
-    turn = np.eye(3)
-    for axis, angle in (((0, 0, 1), yaw), ((0, 1, 0), pitch), ((1, 0, 0), roll)):
-        turn = turn @ _turns(np.array(axis, dtype=float), np.array([angle]))[0]
-    return place, turn
+    return place, rotation_rpy(_numbers(None if origin is None else origin.get("rpy"), (0.0, 0.0, 0.0)))
 
 
 def _turns(axis, angles):
