@@ -67,6 +67,7 @@ from .ground.errors import ParameterError as ParameterError
 from .ground.errors import ShapeError as ShapeError
 
 # For packages built on this one
+from .arm.home import least_singular_value as least_singular_value
 from .arm.limits import accelerated as accelerated
 from .arm.limits import position_factor as position_factor
 from .arm.limits import velocity_factor as velocity_factor

@@ -23,12 +23,13 @@ THICKNESS_M, ON_LINE = 0.07, 6
 NEAR_LIMIT = 0.2
 
 
-def least_singular_value(kinematics: RobotKinematics, q: np.ndarray) -> float:
-    """Returns the least singular value of the Jacobian at q, (n,), linear rows divided by the default `length_m`.
+def least_singular_value(kinematics: RobotKinematics, q: np.ndarray,
+                         length_m: float = InverseSettings.length_m) -> float:
+    """Returns the least singular value of the Jacobian at q, (n,), linear rows divided by length_m.
 
     An arm of n < 6 joints has n singular values: the twists that it never had do not count.
     """
-    J = kinematics.jacobian(q) / np.array([InverseSettings.length_m] * 3 + [1.0] * 3)[:, None]
+    J = kinematics.jacobian(q) / np.array([length_m] * 3 + [1.0] * 3)[:, None]
     return float(np.linalg.svd(J, compute_uv=False)[-1])
 
 

@@ -26,7 +26,7 @@ FULL_EFFORT_AT, DAMPED_S = 0.02, 0.025
 SIX_AXES, FIVE_AXES = "six_dof_rectangle", "experiment_1"
 HEAD = """\
 # The arm {name}. It runs alone with the task below, and under any other scenario: extends: [{name}, SCENARIO], or
-# `aras-servo run SCENARIO --set robot={where}`.
+# `aras-servo run SCENARIO --set robot={name}`.
 """
 
 
@@ -95,7 +95,7 @@ def arm_files(arm: NewArm, urdf_xml: str, folder: Optional[Path] = None) -> Tupl
         raise ParameterError("home: found no posture near it in which the camera looks down, allowed one")
     goal = np.round(goal, 6)
     start = np.round(_start(kinematics, goal), 4)
-    return (_head(arm) + _yaml(_scenario(arm, base, kinematics, goal, start)),
+    return (HEAD.format(name=arm.name) + _yaml(_scenario(arm, base, kinematics, goal, start)),
             _yaml(_controllers(kinematics.joint_names, urdf_xml)))
 
 
@@ -163,10 +163,6 @@ def _joints(kinematics, q) -> Dict[str, float]:
 
 def _list(values) -> List[float]:
     return [round(float(value), 6) + 0.0 for value in values]
-
-
-def _head(arm):
-    return HEAD.format(name=arm.name, where=arm.name)
 
 
 def _yaml(document):

@@ -12,7 +12,7 @@ from typing import Callable, Dict, NamedTuple, Optional, Tuple
 
 import numpy as np
 
-from aras_visual_servo import RobotKinematics, Status
+from aras_visual_servo import RobotKinematics, Status, least_singular_value
 
 #: How far a joint is turned to see whether it leads out of a singularity [rad or m].
 TRIED = 0.1
@@ -64,18 +64,14 @@ def _last_seen(moment: Moment) -> str:
 
 def _way_out(moment: Moment) -> str:
     """The joint that leads out of a singularity when it is bent, and the direction, in words."""
-    kinematics, scale = moment.kinematics, np.array([1.0 / LENGTH_M] * 3 + [1.0] * 3)
-
-    def least(q: np.ndarray) -> float:
-        return float(np.linalg.svd(scale[:, None] * kinematics.jacobian(q), compute_uv=False)[-1])
-
+    kinematics = moment.kinematics
     best = 0.0, "", 0.0
     for i, name in enumerate(kinematics.joint_names):
         for step in (TRIED, -TRIED):
             q = np.array(moment.q, dtype=float)
             q[i] += step
             if kinematics.lower[i] <= q[i] <= kinematics.upper[i]:
-                best = max(best, (least(q), name, step))
+                best = max(best, (least_singular_value(kinematics, q, LENGTH_M), name, step))
     return f"{best[1]} in its {'positive' if best[2] > 0.0 else 'negative'} direction"
 
 
