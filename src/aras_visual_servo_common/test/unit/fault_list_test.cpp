@@ -5,7 +5,7 @@
 #include "aras_visual_servo_common/schema.hpp"
 #include "errors_of.hpp"
 
-namespace aras_visual_servo_common {
+namespace aras_visual_servo_common::fault_list_test {
 namespace {
 
 TEST(FaultList, ThrowsAllLinesAtOnceInTheirOrder) {
@@ -64,4 +64,4 @@ TEST(Range, SaysItselfInWords) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_common
+}  // namespace aras_visual_servo_common::fault_list_test

@@ -12,7 +12,7 @@
 
 #include "aras_visual_servo_common/errors.hpp"
 
-namespace aras_visual_servo_common {
+namespace aras_visual_servo_common::files_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -126,4 +126,4 @@ TEST(Yaml, ThatIsTooDeepOrHoldsItselfIsRefused) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_common
+}  // namespace aras_visual_servo_common::files_test

@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-namespace aras_visual_servo_common {
+namespace aras_visual_servo_common::increasing_root_test {
 namespace {
 
 constexpr double kRounding = 4.0 * std::numeric_limits<double>::epsilon();
@@ -61,4 +61,4 @@ TEST(IncreasingRoot, IsFoundAtTheEndsOfItsBracket) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_common
+}  // namespace aras_visual_servo_common::increasing_root_test

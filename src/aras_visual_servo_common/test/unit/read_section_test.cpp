@@ -4,7 +4,7 @@
 #include "aras_visual_servo_common/config/sections.hpp"
 #include "errors_of.hpp"
 
-namespace aras_visual_servo_common {
+namespace aras_visual_servo_common::read_section_test {
 namespace {
 
 ToyConfig read(const std::string& document) {
@@ -125,4 +125,4 @@ TEST(ReadSection, NamesTheSectionsThereAre) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_common
+}  // namespace aras_visual_servo_common::read_section_test

@@ -7,7 +7,7 @@
 #include "aras_visual_servo_common/yaml_value.hpp"
 #include "errors_of.hpp"
 
-namespace aras_visual_servo_common {
+namespace aras_visual_servo_common::schema_test {
 namespace {
 
 /** A section with the one key `k`. */
@@ -187,4 +187,4 @@ TEST(Schema, AListOfThousandsOfWrongNumbersIsShownOnce) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_common
+}  // namespace aras_visual_servo_common::schema_test

@@ -8,7 +8,7 @@
 
 namespace py = pybind11;
 
-namespace aras_visual_servo_common {
+namespace aras_visual_servo_common::yaml_from_python_test {
 namespace {
 
 PYBIND11_EMBEDDED_MODULE(toy_module, module) {
@@ -76,4 +76,4 @@ assert all(isinstance(error, toy_module.ArasError) for error in (parameter, shap
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_common
+}  // namespace aras_visual_servo_common::yaml_from_python_test

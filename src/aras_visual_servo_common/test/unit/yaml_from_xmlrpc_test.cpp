@@ -6,7 +6,7 @@
 
 #include "aras_visual_servo_common/yaml_value.hpp"
 
-namespace aras_visual_servo_common {
+namespace aras_visual_servo_common::yaml_from_xmlrpc_test {
 namespace {
 
 TEST(YamlFromXmlRpc, KeepsEveryTypeAndEveryBit) {
@@ -40,4 +40,4 @@ TEST(YamlFromXmlRpc, NumbersThatAreNotFiniteStayNumbers) {
 TEST(YamlFromXmlRpc, NothingIsNull) { EXPECT_TRUE(yamlFromXmlRpc(XmlRpc::XmlRpcValue()).IsNull()); }
 
 }  // namespace
-}  // namespace aras_visual_servo_common
+}  // namespace aras_visual_servo_common::yaml_from_xmlrpc_test

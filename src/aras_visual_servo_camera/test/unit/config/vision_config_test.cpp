@@ -5,7 +5,7 @@
 
 #include "text_of.hpp"
 
-namespace aras_visual_servo_camera {
+namespace aras_visual_servo_camera::vision_config_test {
 namespace {
 
 std::string faultsOf(const std::string& yaml) {
@@ -141,4 +141,4 @@ INSTANTIATE_TEST_SUITE_P(EachKey, BadValue,
                                            std::pair("orientation_threshold", "1.5")));
 
 }  // namespace
-}  // namespace aras_visual_servo_camera
+}  // namespace aras_visual_servo_camera::vision_config_test

@@ -9,7 +9,7 @@
 
 #include "coverage_image.hpp"
 
-namespace aras_visual_servo_camera {
+namespace aras_visual_servo_camera::overlay_test {
 namespace {
 
 using Rgb = std::array<std::uint8_t, 3>;
@@ -107,4 +107,4 @@ TEST(Overlay, PointsAreMagentaAndNumbered) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_camera
+}  // namespace aras_visual_servo_camera::overlay_test

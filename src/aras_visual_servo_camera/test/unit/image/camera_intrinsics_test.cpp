@@ -10,7 +10,7 @@
 #include "aras_visual_servo_camera/image/pixel_map.hpp"
 #include "text_of.hpp"
 
-namespace aras_visual_servo_camera {
+namespace aras_visual_servo_camera::camera_intrinsics_test {
 namespace {
 
 const std::array<double, 9> kK{195.05, 0, 150.0, 0, 190.0, 130.0, 0, 0, 1};
@@ -328,4 +328,4 @@ TEST(CameraInfo, MissingAndUnknownKeysAreAllListed) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_camera
+}  // namespace aras_visual_servo_camera::camera_intrinsics_test

@@ -10,7 +10,7 @@
 #include "aras_visual_servo_camera/extraction/overlay.hpp"
 #include "text_of.hpp"
 
-namespace aras_visual_servo_camera {
+namespace aras_visual_servo_camera::grey_image_test {
 namespace {
 
 constexpr int kWidth = 6, kHeight = 5;
@@ -205,4 +205,4 @@ TEST(Images, OfAnUnknownEncodingAreRefusedWithThoseThatAreKnown) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_camera
+}  // namespace aras_visual_servo_camera::grey_image_test

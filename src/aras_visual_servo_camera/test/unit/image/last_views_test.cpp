@@ -4,7 +4,7 @@
 
 #include "text_of.hpp"
 
-namespace aras_visual_servo_camera {
+namespace aras_visual_servo_camera::last_views_test {
 namespace {
 
 constexpr std::int64_t kFrame_ns = 33333333;
@@ -66,4 +66,4 @@ TEST(LastViews, NothingIsLeftAfterClear) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_camera
+}  // namespace aras_visual_servo_camera::last_views_test

@@ -8,7 +8,7 @@
 
 #include "board.hpp"
 
-namespace aras_visual_servo_camera {
+namespace aras_visual_servo_camera::keypoints_test {
 namespace {
 
 using Pairs = std::vector<std::array<int, 2>>;
@@ -133,4 +133,4 @@ TEST_P(Detector, LeavesOutKeypointsWithoutARay) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_camera
+}  // namespace aras_visual_servo_camera::keypoints_test

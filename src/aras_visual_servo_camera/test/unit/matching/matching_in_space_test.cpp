@@ -9,7 +9,7 @@
 #include "board.hpp"
 #include "text_of.hpp"
 
-namespace aras_visual_servo_camera {
+namespace aras_visual_servo_camera::matching_in_space_test {
 namespace {
 
 using testing::board;
@@ -129,4 +129,4 @@ TEST_F(MatchingInSpace, AnImageIsTaughtWithItsDepths) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_camera
+}  // namespace aras_visual_servo_camera::matching_in_space_test

@@ -14,7 +14,7 @@
 
 // Images of a plane are held against true poses by test_matches.py; here what memory and sizes are about, under
 // sanitizers too.
-namespace aras_visual_servo_camera {
+namespace aras_visual_servo_camera::matching_test {
 namespace {
 
 using testing::board;
@@ -99,4 +99,4 @@ TEST(Matching, TakesTheMemoryOfTheLastImage) {
 #endif
 
 }  // namespace
-}  // namespace aras_visual_servo_camera
+}  // namespace aras_visual_servo_camera::matching_test

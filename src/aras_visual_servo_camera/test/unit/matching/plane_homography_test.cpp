@@ -6,7 +6,7 @@
 
 #include "matching/goal_motion.hpp"
 
-namespace aras_visual_servo_camera {
+namespace aras_visual_servo_camera::plane_homography_test {
 namespace {
 
 constexpr double kFocal_px = 200.0;
@@ -92,4 +92,4 @@ TEST(PlaneHomography, IsNotFoundFromPointsOnALineOrInOnePlace) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_camera
+}  // namespace aras_visual_servo_camera::plane_homography_test

@@ -7,7 +7,7 @@
 
 #include "matching/goal_motion.hpp"
 
-namespace aras_visual_servo_camera {
+namespace aras_visual_servo_camera::rigid_motion_test {
 namespace {
 
 constexpr double kFocal_px = 400.0;
@@ -86,4 +86,4 @@ TEST(RigidMotion, IsNoneForFewPointsWrongOnesAndALine) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_camera
+}  // namespace aras_visual_servo_camera::rigid_motion_test

@@ -8,7 +8,7 @@
 #include "polygon_moments.hpp"
 #include "text_of.hpp"
 
-namespace aras_visual_servo_camera {
+namespace aras_visual_servo_camera::alpha_branch_test {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
@@ -168,4 +168,4 @@ TEST(MomentFeatures, WithoutAreaNothingIsInView) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_camera
+}  // namespace aras_visual_servo_camera::alpha_branch_test

@@ -7,7 +7,7 @@
 #include "coverage_image.hpp"
 #include "usual_vision.hpp"
 
-namespace aras_visual_servo_camera {
+namespace aras_visual_servo_camera::kernel_projection_test {
 namespace {
 
 using testing::Polygon;
@@ -88,4 +88,4 @@ TEST(KernelProjection, IsEmptyWithoutATargetAndWhereItIsNotAskedFor) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_camera
+}  // namespace aras_visual_servo_camera::kernel_projection_test

@@ -8,7 +8,7 @@
 #include "coverage_image.hpp"
 #include "usual_vision.hpp"
 
-namespace aras_visual_servo_camera {
+namespace aras_visual_servo_camera::moment_accuracy_test {
 namespace {
 
 using testing::binaryImage;
@@ -205,4 +205,4 @@ TEST(MomentAccuracy, NoiseMovesTheFeaturesByLittleAndWithoutBias) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_camera
+}  // namespace aras_visual_servo_camera::moment_accuracy_test

@@ -11,7 +11,7 @@
 #include "text_of.hpp"
 #include "usual_vision.hpp"
 
-namespace aras_visual_servo_camera {
+namespace aras_visual_servo_camera::moment_features_test {
 namespace {
 
 using testing::Polygon;
@@ -201,4 +201,4 @@ TEST(MomentExtractor, NewIntrinsicsKeepTheReference) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_camera
+}  // namespace aras_visual_servo_camera::moment_features_test

@@ -7,7 +7,7 @@
 #include "aras_visual_servo_camera/config/errors.hpp"
 #include "coverage_image.hpp"
 
-namespace aras_visual_servo_camera {
+namespace aras_visual_servo_camera::moments_test {
 namespace {
 
 constexpr double kRounding = 1e-12;  // relative, of sums over thousands of pixels
@@ -207,4 +207,4 @@ TEST(PolygonMoments, OfASquareAreTheTextbookOnes) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_camera
+}  // namespace aras_visual_servo_camera::moments_test

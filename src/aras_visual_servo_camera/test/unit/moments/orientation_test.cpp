@@ -9,7 +9,7 @@
 #include "coverage_image.hpp"
 #include "usual_vision.hpp"
 
-namespace aras_visual_servo_camera {
+namespace aras_visual_servo_camera::orientation_test {
 namespace {
 
 using testing::GreyImage;
@@ -219,4 +219,4 @@ TEST_F(Orientation, LineHasTheDirectionOfTheLine) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_camera
+}  // namespace aras_visual_servo_camera::orientation_test

@@ -8,7 +8,7 @@
 #include "aras_visual_servo_camera/moments/moments.hpp"
 #include "polygon_moments.hpp"
 
-namespace aras_visual_servo_camera {
+namespace aras_visual_servo_camera::shape_test {
 namespace {
 
 using testing::Polygon;
@@ -95,4 +95,4 @@ TEST(Shape, IsNothingForNoPixelsAPointOrALine) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_camera
+}  // namespace aras_visual_servo_camera::shape_test

@@ -15,7 +15,7 @@
 #include "aras_visual_servo_camera/moments/moments.hpp"
 #include "coverage_image.hpp"
 
-namespace aras_visual_servo_camera {
+namespace aras_visual_servo_camera::visp_oracle_test {
 namespace {
 
 using testing::Polygon;
@@ -173,4 +173,4 @@ TEST(VispInvariants, RowsAreDerivativesButForC5AndBelowOrder6C9AndC10) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_camera
+}  // namespace aras_visual_servo_camera::visp_oracle_test

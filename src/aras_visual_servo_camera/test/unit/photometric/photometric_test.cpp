@@ -9,7 +9,7 @@
 
 // Numbers are held against brute force by test_photometric.py; here what memory and sizes are about, under sanitizers
 // too.
-namespace aras_visual_servo_camera {
+namespace aras_visual_servo_camera::photometric_test {
 namespace {
 
 using testing::GreyImage;
@@ -131,4 +131,4 @@ TEST(Photometric, APlaneThatIsNotInFrontOfEveryPixelIsRefused) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_camera
+}  // namespace aras_visual_servo_camera::photometric_test

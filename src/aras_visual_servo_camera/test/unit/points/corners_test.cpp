@@ -8,7 +8,7 @@
 #include "coverage_image.hpp"
 #include "point_views.hpp"
 
-namespace aras_visual_servo_camera {
+namespace aras_visual_servo_camera::corners_test {
 namespace {
 
 using testing::farthest_px;
@@ -173,4 +173,4 @@ TEST(Corners, AreNotMadeUp) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_camera
+}  // namespace aras_visual_servo_camera::corners_test

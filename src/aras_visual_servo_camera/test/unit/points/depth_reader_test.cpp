@@ -13,7 +13,7 @@
 #include "coverage_image.hpp"
 #include "point_views.hpp"
 
-namespace aras_visual_servo_camera {
+namespace aras_visual_servo_camera::depth_reader_test {
 namespace {
 
 constexpr double kFloat =
@@ -137,4 +137,4 @@ TEST(DepthReader, CornersOfAnImageGetTheirDepthsAndTheFaultOfADepthImageOfAnothe
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_camera
+}  // namespace aras_visual_servo_camera::depth_reader_test

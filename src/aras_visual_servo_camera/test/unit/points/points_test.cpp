@@ -11,7 +11,7 @@
 #include "point_views.hpp"
 #include "usual_vision.hpp"
 
-namespace aras_visual_servo_camera {
+namespace aras_visual_servo_camera::points_test {
 namespace {
 
 using testing::dotsSeenFrom;
@@ -256,4 +256,4 @@ TEST(Corners, OfAFewPixelsOrBeyondTheFoldOfTheLensAreNotGiven) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_camera
+}  // namespace aras_visual_servo_camera::points_test

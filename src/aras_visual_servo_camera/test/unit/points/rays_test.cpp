@@ -11,7 +11,7 @@
 #include "coverage_image.hpp"
 #include "point_views.hpp"
 
-namespace aras_visual_servo_camera {
+namespace aras_visual_servo_camera::rays_test {
 namespace {
 
 using Vector = std::array<double, 3>;
@@ -185,4 +185,4 @@ TEST(Rays, WithoutThemABlobBesideTheCameraIsNoPoint) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_camera
+}  // namespace aras_visual_servo_camera::rays_test

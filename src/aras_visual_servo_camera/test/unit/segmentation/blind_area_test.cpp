@@ -7,7 +7,7 @@
 #include "coverage_image.hpp"
 #include "usual_vision.hpp"
 
-namespace aras_visual_servo_camera {
+namespace aras_visual_servo_camera::blind_area_test {
 namespace {
 
 constexpr int kSize_px = 200;
@@ -97,4 +97,4 @@ TEST_P(Method, AnObjectBeyondTheFoldOfTheLensHasNoFeatures) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_camera
+}  // namespace aras_visual_servo_camera::blind_area_test

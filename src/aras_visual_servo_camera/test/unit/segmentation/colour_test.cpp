@@ -9,7 +9,7 @@
 #include "text_of.hpp"
 #include "usual_vision.hpp"
 
-namespace aras_visual_servo_camera {
+namespace aras_visual_servo_camera::colour_test {
 namespace {
 
 using testing::GreyImage;
@@ -247,4 +247,4 @@ TEST(ObjectColour, AnObjectThatReachesIntoTheBlindAreaIsCut) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_camera
+}  // namespace aras_visual_servo_camera::colour_test

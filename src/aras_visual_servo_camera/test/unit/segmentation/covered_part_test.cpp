@@ -7,7 +7,7 @@
 #include "polygon_moments.hpp"
 #include "segmentation/edge_weights.hpp"
 
-namespace aras_visual_servo_camera {
+namespace aras_visual_servo_camera::covered_part_test {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
@@ -72,4 +72,4 @@ TEST(CoveredPart, IsTheCentreWhereThereIsNoEdge) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_camera
+}  // namespace aras_visual_servo_camera::covered_part_test

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-namespace aras_visual_servo_camera {
+namespace aras_visual_servo_camera::edge_step_test {
 namespace {
 
 constexpr int kSide = 100;
@@ -84,4 +84,4 @@ TEST(EdgeStep, TellsSamplesOnlyFromAnObjectThatHasMoved) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_camera
+}  // namespace aras_visual_servo_camera::edge_step_test

@@ -11,7 +11,7 @@
 #include "fill.hpp"
 #include "usual_vision.hpp"
 
-namespace aras_visual_servo_camera {
+namespace aras_visual_servo_camera::grey_levels_test {
 namespace {
 
 using testing::fill;
@@ -195,4 +195,4 @@ TEST_P(GivenGreys, OneThatIsTooNearToTheOtherLeavesNoObject) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_camera
+}  // namespace aras_visual_servo_camera::grey_levels_test

@@ -8,7 +8,7 @@
 #include "fill.hpp"
 #include "usual_vision.hpp"
 
-namespace aras_visual_servo_camera {
+namespace aras_visual_servo_camera::object_selection_test {
 namespace {
 
 using testing::GreyImage;
@@ -192,4 +192,4 @@ TEST(Selection, DegenerateShapesAreFlagged) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_camera
+}  // namespace aras_visual_servo_camera::object_selection_test

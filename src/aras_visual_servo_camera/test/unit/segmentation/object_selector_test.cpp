@@ -10,7 +10,7 @@
 
 #include "usual_vision.hpp"
 
-namespace aras_visual_servo_camera {
+namespace aras_visual_servo_camera::object_selector_test {
 namespace {
 
 constexpr double kArea_px = 400.0;
@@ -243,4 +243,4 @@ TEST_F(SelectionAfterMerging, SpecksDoNotCount) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_camera
+}  // namespace aras_visual_servo_camera::object_selector_test

@@ -9,7 +9,7 @@
 #include "fill.hpp"
 #include "usual_vision.hpp"
 
-namespace aras_visual_servo_camera {
+namespace aras_visual_servo_camera::segmentation_test {
 namespace {
 
 using testing::fill;
@@ -306,4 +306,4 @@ TEST(Segmentation, AdaptiveThresholdCopesWithAGradientThatNoGlobalOneDoes) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_camera
+}  // namespace aras_visual_servo_camera::segmentation_test

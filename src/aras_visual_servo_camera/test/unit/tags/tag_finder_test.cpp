@@ -4,7 +4,7 @@
 
 #include "text_of.hpp"
 
-namespace aras_visual_servo_camera {
+namespace aras_visual_servo_camera::tag_finder_test {
 namespace {
 
 TEST(TagFinder, SeesNoTagInAnEmptyImage) {
@@ -21,4 +21,4 @@ TEST(TagFinder, NamesALibraryThatIsNotThereOrFindsNone) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_camera
+}  // namespace aras_visual_servo_camera::tag_finder_test

@@ -5,7 +5,7 @@
 
 #include "coverage_image.hpp"
 
-namespace aras_visual_servo_camera {
+namespace aras_visual_servo_camera::tag_sides_test {
 namespace {
 
 using testing::GreyImage;
@@ -73,4 +73,4 @@ TEST(TagSides, ThatLieOnOneLineHaveNoCorner) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_camera
+}  // namespace aras_visual_servo_camera::tag_sides_test

@@ -10,7 +10,7 @@
 namespace aras_visual_servo_sim {
 namespace {
 
-constexpr std::uint32_t kQueue = 1;
+constexpr std::uint32_t kNewest = 1;
 constexpr int kQuality = 80;  // of compressed_image_transport, when nothing else is said
 
 bool pluginIsThere(const image_transport::ImageTransport& transport) {
@@ -29,7 +29,7 @@ CompressedPublisher::CompressedPublisher(ros::NodeHandle& node, const image_tran
   if (pluginIsThere(transport)) return;
   const auto& sensor = camera.config().sensor;
   if (sensor && sensor->jpeg_quality > 0) quality_ = sensor->jpeg_quality;
-  publisher_ = node.advertise<sensor_msgs::CompressedImage>(image_topic + "/compressed", kQueue);
+  publisher_ = node.advertise<sensor_msgs::CompressedImage>(image_topic + "/compressed", kNewest);
 }
 
 void CompressedPublisher::publish(const Image& image, const ros::Time& stamp) const {

@@ -9,7 +9,7 @@
 namespace aras_visual_servo_sim {
 namespace {
 
-constexpr std::uint32_t kQueue = 10;
+constexpr std::uint32_t kPoseQueue = 10;
 
 }  // namespace
 
@@ -18,7 +18,7 @@ GeometryPublisher::GeometryPublisher(const ros::NodeHandle& node, Simulation& si
     : simulation_(simulation), recording_(recording) {
   image_transport::ImageTransport transport(node);
   const auto output = [&](const std::string& topic) -> Output {
-    return {transport.advertise(topic, kQueue), &recording.tap(topic)};
+    return {transport.advertise(topic, kPoseQueue), &recording.tap(topic)};
   };
   for (const CameraTopics& camera : topics) cameras_.push_back({output(camera.depth), output(camera.segmentation)});
   tellIds(simulation.scene());

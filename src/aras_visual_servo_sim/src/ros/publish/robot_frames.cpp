@@ -10,7 +10,7 @@
 namespace aras_visual_servo_sim {
 namespace {
 
-constexpr std::uint32_t kQueue = 1000;   // messages: at 100 Hz ten seconds
+constexpr std::uint32_t kFrameQueue = 1000;   // messages: at 100 Hz ten seconds
 const ros::Duration kLongestGap(0.034);  // between two transforms of a link: a picture of 30 Hz shows each
 
 }  // namespace
@@ -21,9 +21,9 @@ RobotFrames::RobotFrames(ros::NodeHandle& node, const Simulation& simulation, bo
   if (links) addLinks();
   base_moves_ = any(Kind::kBase);
   links_move_ = any(Kind::kLink);
-  if (base_moves_ || links_move_) moving_ = node.advertise<tf2_msgs::TFMessage>("/tf", kQueue);
+  if (base_moves_ || links_move_) moving_ = node.advertise<tf2_msgs::TFMessage>("/tf", kFrameQueue);
   if (!any(Kind::kFixed)) return;
-  fixed_ = node.advertise<tf2_msgs::TFMessage>("/tf_static", kQueue, true);
+  fixed_ = node.advertise<tf2_msgs::TFMessage>("/tf_static", kFrameQueue, true);
   send(fixed_, {Kind::kFixed}, ros::Time());
 }
 

@@ -8,7 +8,7 @@
 #include "tools/messages.hpp"
 #include "tools/render_tools.hpp"
 
-namespace aras_visual_servo_sim::testing {
+namespace aras_visual_servo_sim::testing::camera_model_test {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -172,4 +172,4 @@ TEST(CameraModel, AllFaultsAreListedTogether) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim::testing
+}  // namespace aras_visual_servo_sim::testing::camera_model_test

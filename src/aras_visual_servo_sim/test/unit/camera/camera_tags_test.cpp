@@ -6,7 +6,7 @@
 #include "aras_visual_servo_sim/robot/urdf_loader.hpp"
 #include "aras_visual_servo_sim/simulation/simulation.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::camera_tags_test {
 namespace {
 
 RobotModel robotWithCamera(const std::string& format) {
@@ -307,4 +307,4 @@ TEST(CameraTags, PoseAndTwistOfAnOffsetCameraAreThoseOfItsOwnPoint) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::camera_tags_test

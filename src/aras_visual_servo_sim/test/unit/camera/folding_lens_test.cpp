@@ -6,7 +6,7 @@
 #include "aras_visual_servo_sim/robot/urdf_loader.hpp"
 #include "aras_visual_servo_sim/simulation/simulation.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::folding_lens_test {
 namespace {
 
 // r (1 + k1 r^2 + k2 r^4 + k3 r^6) grows up to about 1.09, where it is 0.733: half the width of the image is 0.694,
@@ -64,4 +64,4 @@ TEST(FoldingLens, ASimulationDrawsThroughIt) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::folding_lens_test

@@ -7,7 +7,7 @@
 #include "tools/folder_fixture.hpp"
 #include "tools/physics_tools.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::package_paths_test {
 namespace {
 
 /** A variable of the environment that has its old value afterwards. */
@@ -74,4 +74,4 @@ TEST_F(Paths, AFileThatIsMissingIsToldWhereItShouldBe) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::package_paths_test

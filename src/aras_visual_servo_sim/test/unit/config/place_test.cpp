@@ -6,7 +6,7 @@
 #include "tools/pan_lift.hpp"
 #include "tools/physics_tools.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::place_test {
 namespace {
 
 Pose placeOf(double x_m, double w) { return {{x_m, 0.0, 0.0}, Eigen::Quaterniond(w, 0.0, 0.0, 0.0)}; }
@@ -33,4 +33,4 @@ TEST(Place, OfAModelIsChecked) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::place_test

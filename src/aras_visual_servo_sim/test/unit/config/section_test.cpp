@@ -9,7 +9,7 @@
 #include "aras_visual_servo_sim/scene/scene.hpp"
 #include "aras_visual_servo_sim/simulation/simulation_config.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::section_test {
 namespace {
 
 TEST(Sections, EachCanBeLoaded) {
@@ -64,4 +64,4 @@ TEST(Sections, AValueFromElsewhereIsCheckedAsOneOfYaml) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::section_test

@@ -6,7 +6,7 @@
 
 #include "aras_visual_servo_sim/config/errors.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::image_test {
 namespace {
 
 TEST(Encoding, NamesGoBothWaysAndOthersAreRejected) {
@@ -37,4 +37,4 @@ TEST(Image, OfSixteenBitsHasTwoBytesAValue) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::image_test

@@ -7,7 +7,7 @@
 #include "aras_visual_servo_sim/image/pixel_color.hpp"
 #include "tools/physics_tools.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::texture_test {
 namespace {
 
 /** Texels that are all different. */
@@ -94,4 +94,4 @@ TEST(Texture, EachLevelHasTheSumsOfTwiceAsManyRowsAsTheOneBefore) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::texture_test

@@ -2,7 +2,7 @@
 
 #include "tools/render_tools.hpp"
 
-namespace aras_visual_servo_sim::testing {
+namespace aras_visual_servo_sim::testing::coverage_test {
 namespace {
 
 struct View {
@@ -247,4 +247,4 @@ TEST(Coverage, HistoryLeavesNoTrace) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim::testing
+}  // namespace aras_visual_servo_sim::testing::coverage_test

@@ -6,7 +6,7 @@
 
 #include "tools/render_tools.hpp"
 
-namespace aras_visual_servo_sim::testing {
+namespace aras_visual_servo_sim::testing::fine_image_test {
 namespace {
 
 constexpr double kUnits = kUnitsOf<std::uint16_t>;
@@ -74,4 +74,4 @@ TEST(FineImage, RoundedItIsTheImageOfEachEncodingAndLens) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim::testing
+}  // namespace aras_visual_servo_sim::testing::fine_image_test

@@ -5,7 +5,7 @@
 #include "aras_visual_servo_sim/render/geometry_image.hpp"
 #include "tools/fisheye_tools.hpp"
 
-namespace aras_visual_servo_sim::testing {
+namespace aras_visual_servo_sim::testing::fisheye_test {
 namespace {
 
 constexpr double kRounding = 1e-12;
@@ -257,4 +257,4 @@ TEST(Fisheye, NothingNearerThanTheNearPlanesIsSeenToAnySide) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim::testing
+}  // namespace aras_visual_servo_sim::testing::fisheye_test

@@ -7,7 +7,7 @@
 #include "aras_visual_servo_sim/render/geometry_image.hpp"
 #include "tools/render_tools.hpp"
 
-namespace aras_visual_servo_sim::testing {
+namespace aras_visual_servo_sim::testing::geometry_test {
 namespace {
 
 GeometryImage geometryOf(const CameraModel& camera, const Pose& X_WC, const Scene& scene) {
@@ -128,4 +128,4 @@ TEST(Geometry, BodiesBeyondTheFarPlaneAreNotSeenAsInImages) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim::testing
+}  // namespace aras_visual_servo_sim::testing::geometry_test

@@ -11,7 +11,7 @@
 #include "render/coverage/coverage_rasterizer.hpp"
 #include "tools/render_tools.hpp"
 
-namespace aras_visual_servo_sim::testing {
+namespace aras_visual_servo_sim::testing::hostile_test {
 namespace {
 
 const double kNan = std::nan(""), kInfinity = std::numeric_limits<double>::infinity();
@@ -133,4 +133,4 @@ TEST(Hostile, QuantitiesHaveBounds) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim::testing
+}  // namespace aras_visual_servo_sim::testing::hostile_test

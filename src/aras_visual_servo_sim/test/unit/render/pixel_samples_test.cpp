@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::pixel_samples_test {
 namespace {
 
 /** The side of a line through (x0, y0) at an angle that its normal points to, or the other; at inverse depth z. */
@@ -101,4 +101,4 @@ TEST(PixelSamples, ShareLiesWhereItsSamplesAre) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::pixel_samples_test

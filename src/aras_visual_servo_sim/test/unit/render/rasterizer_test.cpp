@@ -8,7 +8,7 @@
 
 #include "render/coverage/coverage_rasterizer.hpp"
 
-namespace aras_visual_servo_sim::testing {
+namespace aras_visual_servo_sim::testing::rasterizer_test {
 namespace {
 
 using Outline = std::vector<Eigen::Vector2d>;
@@ -237,4 +237,4 @@ TEST(Rasterizer, ACentreOnTheEdgeBetweenTwoOutlinesIsInOneOfThem) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim::testing
+}  // namespace aras_visual_servo_sim::testing::rasterizer_test

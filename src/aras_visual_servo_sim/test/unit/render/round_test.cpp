@@ -12,7 +12,7 @@
 #include "aras_visual_servo_sim/scene/mesh_loader.hpp"
 #include "tools/render_tools.hpp"
 
-namespace aras_visual_servo_sim::testing {
+namespace aras_visual_servo_sim::testing::round_test {
 namespace {
 
 const double kInfinity = std::numeric_limits<double>::infinity();
@@ -312,4 +312,4 @@ TEST(Round, CenterSamplingGivesTwoValuesOnly) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim::testing
+}  // namespace aras_visual_servo_sim::testing::round_test

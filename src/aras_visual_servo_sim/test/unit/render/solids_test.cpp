@@ -5,7 +5,7 @@
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "tools/render_tools.hpp"
 
-namespace aras_visual_servo_sim::testing {
+namespace aras_visual_servo_sim::testing::solids_test {
 namespace {
 
 Body boxAt(const char* name, const Eigen::Vector3d& p_W, const Eigen::Vector3d& size_m, Rgb color) {
@@ -250,4 +250,4 @@ TEST(Renderer, RejectsPosesThatAreNotFinite) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim::testing
+}  // namespace aras_visual_servo_sim::testing::solids_test

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <random>
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::tile_sight_test {
 namespace {
 
 constexpr int kSide = TileBins::kTile;
@@ -56,7 +56,7 @@ struct Range {
   }
 };
 
-class Sight : public testing::TestWithParam<bool> {
+class Sight : public ::testing::TestWithParam<bool> {
  protected:
   Sight() {
     for (int p = 0; p < TileRays::kPixels; ++p) rays_.set(p, raysAt(p, !flat()));
@@ -126,7 +126,7 @@ TEST_P(Sight, IsWhatTheCornersOfThePixelsSay) {
   for (const int count : {crossed, whole, aside, cut, hidden, ahead}) EXPECT_GT(count, 50);
 }
 
-INSTANTIATE_TEST_SUITE_P(FlatAndThroughALens, Sight, testing::Values(true, false));
+INSTANTIATE_TEST_SUITE_P(FlatAndThroughALens, Sight, ::testing::Values(true, false));
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::tile_sight_test

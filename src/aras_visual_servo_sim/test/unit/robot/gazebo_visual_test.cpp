@@ -4,7 +4,7 @@
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "aras_visual_servo_sim/robot/urdf_loader.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::gazebo_visual_test {
 namespace {
 
 RobotModel robotWith(const std::string& tags) {
@@ -71,4 +71,4 @@ TEST(GazeboVisual, WhatIsNotUsedIsNamedAndWhatIsNoColourRefused) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::gazebo_visual_test

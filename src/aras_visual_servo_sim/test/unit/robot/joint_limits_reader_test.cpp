@@ -4,7 +4,7 @@
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "tools/soft_slider.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::joint_limits_reader_test {
 namespace {
 
 TEST(JointLimitOverrides, ChangeWhatIsCompleteAndNothingElse) {
@@ -118,4 +118,4 @@ TEST(JointLimitOverrides, FaultsAreListed) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::joint_limits_reader_test

@@ -6,7 +6,7 @@
 
 #include "aras_visual_servo_sim/robot/joint_limits.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::limits_mirrored_test {
 namespace {
 
 constexpr double kFar = 1e6;
@@ -117,4 +117,4 @@ TEST(JointLimits, AJointWithoutLimitsIsNotBounded) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::limits_mirrored_test

@@ -1,7 +1,7 @@
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "tools/physics_tools.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::urdf_test {
 namespace {
 
 /** two_link_full.urdf with one thing changed. */
@@ -240,4 +240,4 @@ TEST(UrdfLoader, ANameThatUrdfdomReadsOtherwiseIsRefused) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::urdf_test

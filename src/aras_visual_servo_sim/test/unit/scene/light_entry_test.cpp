@@ -9,7 +9,7 @@
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "tools/messages.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::light_entry_test {
 namespace {
 
 constexpr double kRounding = 1e-12;
@@ -117,4 +117,4 @@ TEST(LightEntry, IsReadFromEitherText) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::light_entry_test

@@ -9,7 +9,7 @@
 #include "aras_visual_servo_sim/simulation/state/run_hash.hpp"
 #include "tools/pan_lift.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::model_motion_test {
 namespace {
 
 constexpr double kStepS = 1e-5;  // of the central differences
@@ -204,4 +204,4 @@ TEST(MovingModels, ResetOfTheWorldStartsMotionsAgainWithoutTurningTimeBack) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::model_motion_test

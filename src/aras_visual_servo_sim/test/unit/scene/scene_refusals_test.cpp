@@ -8,7 +8,7 @@
 #include "tools/folder_fixture.hpp"
 #include "tools/messages.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::scene_refusals_test {
 namespace {
 
 struct Refusal {
@@ -155,4 +155,4 @@ TEST(LightText, ThatIsEmptyOrNoLightIsRefused) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::scene_refusals_test

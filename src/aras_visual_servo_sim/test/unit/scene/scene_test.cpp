@@ -12,7 +12,7 @@
 #include "tools/messages.hpp"
 #include "tools/render_tools.hpp"
 
-namespace aras_visual_servo_sim::testing {
+namespace aras_visual_servo_sim::testing::scene_test {
 namespace {
 
 class SceneFiles : public FolderFixture {};
@@ -197,4 +197,4 @@ TEST(PlanarModel, TrianglesCoverTheOutlineExactlyWhicheverWayItRuns) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim::testing
+}  // namespace aras_visual_servo_sim::testing::scene_test

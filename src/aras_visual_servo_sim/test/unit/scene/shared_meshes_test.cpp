@@ -5,7 +5,7 @@
 
 #include "scene/mesh/mesh_cache.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::shared_meshes_test {
 namespace {
 
 TexturePtr picture(const std::string& name, int width, int height, std::uint8_t level) {
@@ -62,4 +62,4 @@ TEST(SharedMeshes, ThatAreInUseStaySharedWhenManyOthersHaveGone) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::shared_meshes_test

@@ -6,7 +6,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::simplified_test {
 namespace {
 
 /** A ball of many triangles that nobody knows to be one. @param faceted  each triangle with a normal of its own */
@@ -109,4 +109,4 @@ TEST(Simplified, NothingWhereLittleWouldGo) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::simplified_test

@@ -8,7 +8,7 @@
 #include "tools/allocations.hpp"
 #include "tools/pan_lift.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::allocation_test {
 namespace {
 
 constexpr int kWarmUp = 200;  // steps: set-points, stops and friction have been met
@@ -88,4 +88,4 @@ TEST(Allocation, AFrameOfFlatModelsMakesNone) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::allocation_test

@@ -8,7 +8,7 @@
 #include "tools/pan_lift.hpp"
 #include "tools/physics_tools.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::command_delay_test {
 namespace {
 
 const std::string kDelayed = "{gravity_m_s2: [0, 0, 0], command_timeout_s: 0.05, command_delay_s: 0.02}";
@@ -96,4 +96,4 @@ TEST(CommandDelay, IsRoundedUpToWholePeriodsAndNeverNegative) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::command_delay_test

@@ -3,7 +3,7 @@
 #include "aras_visual_servo_sim/simulation/simulation.hpp"
 #include "tools/physics_tools.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::public_arms_test {
 namespace {
 
 YAML::Node controllersOf(int axes) {
@@ -54,4 +54,4 @@ TEST(PublicArms, SixAxesAndAGripper) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::public_arms_test

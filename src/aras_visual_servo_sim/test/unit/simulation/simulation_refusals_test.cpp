@@ -5,7 +5,7 @@
 #include "tools/pan_lift.hpp"
 #include "tools/physics_tools.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::simulation_refusals_test {
 namespace {
 
 TEST(SimulationRefusals, NegativeStepsAreRefusedAndNoneChangeNothing) {
@@ -99,4 +99,4 @@ TEST(SimulationRefusals, ATwistOfARobotThatDoesNotDriveIsCounted) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::simulation_refusals_test

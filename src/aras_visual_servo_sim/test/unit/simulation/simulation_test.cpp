@@ -8,7 +8,7 @@
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "tools/pan_lift.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::simulation_test {
 namespace {
 
 constexpr int kCamera = 0;
@@ -148,4 +148,4 @@ TEST(Simulation, UnknownFrameOfACameraIsNamed) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::simulation_test

@@ -3,7 +3,7 @@
 #include "tools/pan_lift.hpp"
 #include "tools/physics_tools.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::world_test {
 namespace {
 
 const char kBox[] =
@@ -273,4 +273,4 @@ TEST(World, RobotsWithoutNeighboursAreNotWelded) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::world_test

@@ -11,7 +11,7 @@
 #include "tools/messages.hpp"
 #include "tools/pan_lift.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::depth_blur_test {
 namespace {
 
 constexpr double kFocal_m = 0.008, kFNumber = 1.4, kFocus_m = 0.6, kFocal_px = 2000.0;
@@ -143,4 +143,4 @@ TEST(DepthBlur, LensesThatCannotBeAreNamed) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::depth_blur_test

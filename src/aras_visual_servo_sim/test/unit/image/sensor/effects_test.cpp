@@ -8,7 +8,7 @@
 
 #include "aras_visual_servo_sim/image/sensor/jpeg.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::effects_test {
 namespace {
 
 TEST(ShotNoise, HasTheMeanAndVarianceOfPoisson) {
@@ -147,4 +147,4 @@ TEST(Jpeg, KeepsSmoothImagesAndLosesDetailWithQuality) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::effects_test

@@ -8,7 +8,7 @@
 
 #include "aras_visual_servo_sim/config/errors.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::gaussian_noise_test {
 namespace {
 
 /** An image of one grey level with noise. */
@@ -87,4 +87,4 @@ TEST(GaussianNoise, RejectsABadDeviation) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::gaussian_noise_test

@@ -9,7 +9,7 @@
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "aras_visual_servo_sim/config/section.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::sensor_test {
 namespace {
 
 constexpr int kWidth = 200, kHeight = 150;
@@ -217,4 +217,4 @@ TEST(Sensor, AutoWhiteBalanceMakesGreyOfACast) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::sensor_test

@@ -3,7 +3,7 @@
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "tools/physics_tools.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::driven_base_test {
 namespace {
 
 constexpr double kEps = 2.2e-16;
@@ -176,4 +176,4 @@ TEST(DrivenBase, RefusesWhatItCannotDo) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::driven_base_test

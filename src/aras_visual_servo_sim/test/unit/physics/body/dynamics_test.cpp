@@ -3,7 +3,7 @@
 #include "physics/body/articulated_body.hpp"
 #include "tools/physics_tools.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::dynamics_test {
 namespace {
 
 constexpr double kEps = 2.2e-16;
@@ -195,4 +195,4 @@ TEST(Dynamics, GravityAcceleratesATiltedCompoundBodyByItsTorqueOverItsInertia) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::dynamics_test

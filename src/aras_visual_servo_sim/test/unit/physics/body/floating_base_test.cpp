@@ -1,7 +1,7 @@
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "tools/physics_tools.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::floating_base_test {
 namespace {
 
 constexpr double kEps = 2.2e-16;
@@ -179,4 +179,4 @@ TEST(FloatingBase, WhatCannotFloatIsRefused) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::floating_base_test

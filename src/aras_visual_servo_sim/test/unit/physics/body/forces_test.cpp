@@ -5,7 +5,7 @@
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "tools/physics_tools.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::forces_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -207,4 +207,4 @@ TEST(ForceSensor, InAFixedJointFeelsWhatTheFootStandsOn) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::forces_test

@@ -3,7 +3,7 @@
 
 #include "tools/physics_tools.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::contact_analytic_test {
 namespace {
 
 constexpr double kMass = 0.5, kEdge = 0.1, kStiffness = 1e6, kFriction = 0.5;
@@ -159,4 +159,4 @@ TEST(ContactAnalytic, ABallBouncesAsHighAsSpringDamperAndStepLeaveIt) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::contact_analytic_test

@@ -6,7 +6,7 @@
 #include "tools/heap.hpp"
 #include "tools/physics_tools.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::contact_bound_test {
 namespace {
 
 constexpr double kTolerance = 1e-8;  // of the largest impulse
@@ -118,4 +118,4 @@ TEST(ContactBound, StepsThatDoNotSettleAreCountedUntilAReset) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::contact_bound_test

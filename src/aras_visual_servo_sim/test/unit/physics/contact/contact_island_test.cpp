@@ -7,7 +7,7 @@
 
 #include "physics/contact/contact_points.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::contact_island_test {
 namespace {
 
 constexpr double kTolerance =
@@ -189,4 +189,4 @@ TEST(ContactPoints, ManyAreThinnedToFourFarApart) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::contact_island_test

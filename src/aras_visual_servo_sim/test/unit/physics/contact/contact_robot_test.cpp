@@ -3,7 +3,7 @@
 
 #include "tools/physics_tools.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::contact_robot_test {
 namespace {
 
 constexpr double kJointFriction = 0.9;  // of the arm's joints [N m]
@@ -149,4 +149,4 @@ TEST(ContactRobot, AGripTooWeakLetsTheBoxSlideOut) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::contact_robot_test

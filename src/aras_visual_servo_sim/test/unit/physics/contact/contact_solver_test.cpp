@@ -6,7 +6,7 @@
 #include <limits>
 #include <random>
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::contact_solver_test {
 namespace {
 
 constexpr double kStiffness = 1e4, kDamping = 5.0, kDt = 0.01, kDepth = 1e-4;
@@ -151,4 +151,4 @@ TEST(ContactSolver, TheRoundsOfAStepAreBoundedByItsPoints) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::contact_solver_test

@@ -2,7 +2,7 @@
 #include "aras_visual_servo_sim/physics/contact_config.hpp"
 #include "tools/physics_tools.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::contact_test {
 namespace {
 
 constexpr double kMass = 2.0, kRadius = 0.1, kStiffness = 1e6;
@@ -189,4 +189,4 @@ TEST(Contact, ConfigurationFaultsAreListed) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::contact_test

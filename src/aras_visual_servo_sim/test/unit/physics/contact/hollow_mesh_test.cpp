@@ -2,7 +2,7 @@
 
 #include "aras_visual_servo_sim/physics/contact_config.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::hollow_mesh_test {
 namespace {
 
 using Triangles = std::vector<std::array<std::uint32_t, 3>>;
@@ -31,4 +31,4 @@ TEST(HollowMesh, AFlatSheetIsHollow) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::hollow_mesh_test

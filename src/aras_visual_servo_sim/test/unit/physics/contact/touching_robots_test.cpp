@@ -5,7 +5,7 @@
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "tools/physics_tools.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::touching_robots_test {
 namespace {
 
 constexpr double kStiffness = 1e6;  // [N/m], of a point of contact
@@ -157,4 +157,4 @@ TEST(TouchingRobots, ContactsNameTheLinkOfTheOtherRobot) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::touching_robots_test

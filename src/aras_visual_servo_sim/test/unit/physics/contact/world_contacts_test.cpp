@@ -5,7 +5,7 @@
 #include "aras_visual_servo_sim/physics/contact_config.hpp"
 #include "tools/physics_tools.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::world_contacts_test {
 namespace {
 
 constexpr double kTilt = 0.3;  // [rad] of the ground, so that what has little friction slides along x
@@ -138,4 +138,4 @@ TEST(WorldContacts, APairHasTwoNames) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::world_contacts_test

@@ -6,7 +6,7 @@
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "tools/physics_tools.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::joint_controller_test {
 namespace {
 
 std::vector<ControllerConfig> parsed(const std::string& yaml) {
@@ -117,4 +117,4 @@ TEST(Controllers, ANameThatIsAListIsAName) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::joint_controller_test

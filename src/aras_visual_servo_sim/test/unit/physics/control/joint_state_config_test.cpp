@@ -2,7 +2,7 @@
 #include "aras_visual_servo_sim/physics/managed/joint_state_controller.hpp"
 #include "tools/physics_tools.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::joint_state_config_test {
 namespace {
 
 JointStateConfig parse(const std::string& entry) {
@@ -52,4 +52,4 @@ TEST(JointStateConfig, ANameThatIsAListIsReadAndAListOfControllersHasNone) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::joint_state_config_test

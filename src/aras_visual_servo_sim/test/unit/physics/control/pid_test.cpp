@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::pid_test {
 namespace {
 
 struct PidCase {
@@ -80,4 +80,4 @@ TEST(Pid, GainsChangeWhileTheIntegralIsKept) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::pid_test

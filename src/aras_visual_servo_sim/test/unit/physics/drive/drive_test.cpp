@@ -3,7 +3,7 @@
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "tools/physics_tools.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::drive_test {
 namespace {
 
 constexpr double kMass = 3.0;
@@ -307,4 +307,4 @@ TEST(WorldConfigOf, IsChecked) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::drive_test

@@ -1,7 +1,7 @@
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "tools/physics_tools.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::friction_and_limits_test {
 namespace {
 
 constexpr double kMass = 3.0;
@@ -168,4 +168,4 @@ TEST(EffortBoundsOf, FollowsJointLimitsInterface) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::friction_and_limits_test

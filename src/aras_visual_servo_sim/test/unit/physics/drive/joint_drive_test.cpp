@@ -3,7 +3,7 @@
 
 #include "tools/physics_tools.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::joint_drive_test {
 namespace {
 
 constexpr double kDt = 0.01;
@@ -289,4 +289,4 @@ TEST(JointDrive, ShowsTheStateAtTheEndOfThePeriod) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::joint_drive_test

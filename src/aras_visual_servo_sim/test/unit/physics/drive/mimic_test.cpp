@@ -1,7 +1,7 @@
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "tools/physics_tools.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::mimic_test {
 namespace {
 
 constexpr double kEps = 2.2e-16;
@@ -124,4 +124,4 @@ TEST(Mimic, WhatCannotBeFollowedIsRefused) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::mimic_test

@@ -7,7 +7,7 @@
 #include "physics/drive/joint_graph.hpp"
 #include "tools/soft_slider.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::soft_limits_test {
 namespace {
 
 constexpr double kEps = 2.2e-16;
@@ -209,4 +209,4 @@ TEST(Controllers, MustFitTheHardwareInterfaceOfTheTransmission) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::soft_limits_test

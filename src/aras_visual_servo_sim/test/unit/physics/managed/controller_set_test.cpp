@@ -3,7 +3,7 @@
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "tools/two_joints.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::controller_set_test {
 namespace {
 
 const char* const kPosition = "{type: effort_controllers/JointPositionController, joint: a, pid: {p: 500, d: 20}}";
@@ -173,4 +173,4 @@ TEST(ControllerSet, AParameterWhoseNameIsAListIsIgnoredByName) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::controller_set_test

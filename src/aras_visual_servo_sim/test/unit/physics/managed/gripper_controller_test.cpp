@@ -3,7 +3,7 @@
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "tools/two_joints.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::gripper_controller_test {
 namespace {
 
 struct Hand {
@@ -50,4 +50,4 @@ TEST(GripperController, HoldsWhereItIsWhenItsGoalIsCancelled) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::gripper_controller_test

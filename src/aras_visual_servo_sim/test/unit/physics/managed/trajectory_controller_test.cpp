@@ -3,7 +3,7 @@
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "tools/two_joints.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::trajectory_controller_test {
 namespace {
 
 constexpr double kPeriodS = 0.001;
@@ -197,4 +197,4 @@ TEST(TrajectoryController, ASavedStateGoesOnAsTheRunItWasTakenFrom) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::trajectory_controller_test

@@ -3,7 +3,7 @@
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "tools/physics_tools.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::trajectory_test {
 namespace {
 
 constexpr double kRounding = 1e-12;  // of some twenty operations on numbers near 1
@@ -98,4 +98,4 @@ TEST(TurnsBetween, BringsAnAngleNearTheOneBefore) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::trajectory_test

@@ -3,7 +3,7 @@
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "tools/two_joints.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::velocity_position_controller_test {
 namespace {
 
 struct Axis {
@@ -49,4 +49,4 @@ TEST(VelocityPositionController, NeedsAVelocityJointAndGains) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::velocity_position_controller_test

@@ -7,7 +7,7 @@
 
 #include "aras_visual_servo_sim/config/errors.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::ray_caster_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -143,4 +143,4 @@ TEST(RayCaster, RefusesWhatIsNoShapeAndNoRay) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::ray_caster_test

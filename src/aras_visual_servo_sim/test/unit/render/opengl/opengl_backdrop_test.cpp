@@ -11,7 +11,7 @@
 #include "light_tools.hpp"
 #include "render/opengl/scene/backdrop.hpp"
 
-namespace aras_visual_servo_sim::testing {
+namespace aras_visual_servo_sim::testing::opengl_backdrop_test {
 namespace {
 
 /** A mark in the upper left corner of the image, with which all of it is drawn with several samples. */
@@ -270,4 +270,4 @@ TEST(OpenGlBackdrop, OnlyWhatHasNoEdgesWithinItsOutline) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim::testing
+}  // namespace aras_visual_servo_sim::testing::opengl_backdrop_test

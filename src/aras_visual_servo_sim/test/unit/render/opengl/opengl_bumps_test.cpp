@@ -11,7 +11,7 @@
 #include "tools/folder_fixture.hpp"
 #include "tools/messages.hpp"
 
-namespace aras_visual_servo_sim::testing {
+namespace aras_visual_servo_sim::testing::opengl_bumps_test {
 namespace {
 
 constexpr double kSun = 0.7, kAmbient = 0.1;
@@ -122,4 +122,4 @@ TEST_F(OpenGlBumps, APictureThatIsNotThereIsNamed) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim::testing
+}  // namespace aras_visual_servo_sim::testing::opengl_bumps_test

@@ -7,7 +7,7 @@
 #include "render/opengl/gl/osmesa_library.hpp"
 #include "render/opengl/scene/picture_taps.hpp"
 
-namespace aras_visual_servo_sim::testing {
+namespace aras_visual_servo_sim::testing::opengl_detail_test {
 namespace {
 
 CameraModel cameraOf(int width, int height) {
@@ -83,4 +83,4 @@ TEST(OpenGlDetail, ThreadsThatDrawAtOnceHaveALibraryEach) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim::testing
+}  // namespace aras_visual_servo_sim::testing::opengl_detail_test

@@ -7,7 +7,7 @@
 
 #include "light_tools.hpp"
 
-namespace aras_visual_servo_sim::testing {
+namespace aras_visual_servo_sim::testing::opengl_fine_test {
 namespace {
 
 constexpr double kUnits = kUnitsOf<std::uint16_t>;
@@ -64,4 +64,4 @@ TEST(OpenGlFine, RoundedItIsTheImageOfEachEncodingLensAndQuality) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim::testing
+}  // namespace aras_visual_servo_sim::testing::opengl_fine_test

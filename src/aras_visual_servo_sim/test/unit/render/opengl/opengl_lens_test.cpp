@@ -5,7 +5,7 @@
 
 #include "opengl_tools.hpp"
 
-namespace aras_visual_servo_sim::testing {
+namespace aras_visual_servo_sim::testing::opengl_lens_test {
 namespace {
 
 struct Lens {
@@ -88,4 +88,4 @@ TEST(OpenGlLens, TargetsKeepTheirExactCoverage) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim::testing
+}  // namespace aras_visual_servo_sim::testing::opengl_lens_test

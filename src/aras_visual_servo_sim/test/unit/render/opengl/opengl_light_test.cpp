@@ -10,7 +10,7 @@
 #include "aras_visual_servo_sim/simulation/simulation_config.hpp"
 #include "light_tools.hpp"
 
-namespace aras_visual_servo_sim::testing {
+namespace aras_visual_servo_sim::testing::opengl_light_test {
 namespace {
 
 TEST(OpenGlLight, DirectionalLightFollowsLambert) {
@@ -187,4 +187,4 @@ TEST(OpenGlGazebo, LightsOfTheSectionStayAsTheyAre) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim::testing
+}  // namespace aras_visual_servo_sim::testing::opengl_light_test

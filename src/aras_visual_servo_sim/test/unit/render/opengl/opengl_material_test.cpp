@@ -6,7 +6,7 @@
 
 #include "light_tools.hpp"
 
-namespace aras_visual_servo_sim::testing {
+namespace aras_visual_servo_sim::testing::opengl_material_test {
 namespace {
 
 /** Stripes of black and white, each two texels wide, that run along t. */
@@ -159,4 +159,4 @@ TEST(OpenGlMaterial, UnlitSurfacesHaveTheirOwnColourWhateverTheLightsAre) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim::testing
+}  // namespace aras_visual_servo_sim::testing::opengl_material_test

@@ -8,7 +8,7 @@
 #include "light_tools.hpp"
 #include "tools/folder_fixture.hpp"
 
-namespace aras_visual_servo_sim::testing {
+namespace aras_visual_servo_sim::testing::opengl_mesh_material_test {
 namespace {
 
 /** Of a grey square of 1 m in z = 0. */
@@ -209,4 +209,4 @@ TEST_F(OpenGlMeshMaterial, TheSceneOrTheUrdfCountsBeforeTheFile) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim::testing
+}  // namespace aras_visual_servo_sim::testing::opengl_mesh_material_test

@@ -7,7 +7,7 @@
 #include "light_tools.hpp"
 #include "render/opengl/scene/shadow/shadow_reach.hpp"
 
-namespace aras_visual_servo_sim::testing {
+namespace aras_visual_servo_sim::testing::opengl_reach_test {
 namespace {
 
 /** A square floor of n x n squares. So many triangles that a body has it all drawn with shadows, for n = 32. */
@@ -124,4 +124,4 @@ TEST(OpenGlReach, OpenMeshesCastShadowsFromBothTheirSides) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim::testing
+}  // namespace aras_visual_servo_sim::testing::opengl_reach_test

@@ -14,7 +14,7 @@
 #include "render/opengl/gl/shader_program.hpp"
 #include "tools/messages.hpp"
 
-namespace aras_visual_servo_sim::testing {
+namespace aras_visual_servo_sim::testing::opengl_run_test {
 namespace {
 
 const Pose kView = lookingDown({0.01, 0.02, 0.35}, 0.2, -0.3, 0.5);
@@ -242,4 +242,4 @@ TEST(OpenGlRun, NormalsThatAreMissingAreMade) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim::testing
+}  // namespace aras_visual_servo_sim::testing::opengl_run_test

@@ -8,7 +8,7 @@
 #include "render/opengl/gl/gl_context.hpp"
 #include "render/opengl/scene/gl_store.hpp"
 
-namespace aras_visual_servo_sim::testing {
+namespace aras_visual_servo_sim::testing::opengl_shadow_test {
 namespace {
 
 TEST(OpenGlShadow, ShadowsLieWhereTheLightIsHidden) {
@@ -257,4 +257,4 @@ TEST(OpenGlShadow, WhatALightDoesNotReachIsNotInItsMap) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim::testing
+}  // namespace aras_visual_servo_sim::testing::opengl_shadow_test

@@ -6,7 +6,7 @@
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "opengl_tools.hpp"
 
-namespace aras_visual_servo_sim::testing {
+namespace aras_visual_servo_sim::testing::opengl_solids_test {
 namespace {
 
 // Light at each pixel here and at the corners there: it differs by this on round things.
@@ -193,4 +193,4 @@ TEST(OpenGl, NothingBeyondTheFarPlaneIsDrawn) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim::testing
+}  // namespace aras_visual_servo_sim::testing::opengl_solids_test

@@ -4,7 +4,7 @@
 #include "tools/render_tools.hpp"
 #include "tools/texel_means.hpp"
 
-namespace aras_visual_servo_sim::testing {
+namespace aras_visual_servo_sim::testing::picture_border_test {
 namespace {
 
 constexpr double kBackground = 90.0, kDistance = 0.4;
@@ -95,4 +95,4 @@ TEST(PictureBorder, OfManyTexelsAPixelIsTheMeanOfThePartItSees) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim::testing
+}  // namespace aras_visual_servo_sim::testing::picture_border_test

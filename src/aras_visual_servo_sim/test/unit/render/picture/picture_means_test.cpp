@@ -8,7 +8,7 @@
 #include "tools/render_tools.hpp"
 #include "tools/texel_means.hpp"
 
-namespace aras_visual_servo_sim::testing {
+namespace aras_visual_servo_sim::testing::picture_means_test {
 namespace {
 
 /** A tilted picture: pixel (u, v) sees texels by this matrix. @param texels  to a pixel, about */
@@ -96,4 +96,4 @@ TEST(PictureMeans, LeaveToOthersWhatSeesTooManyTexels) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim::testing
+}  // namespace aras_visual_servo_sim::testing::picture_means_test

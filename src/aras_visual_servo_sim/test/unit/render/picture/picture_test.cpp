@@ -8,7 +8,7 @@
 #include "tools/messages.hpp"
 #include "tools/render_tools.hpp"
 
-namespace aras_visual_servo_sim::testing {
+namespace aras_visual_servo_sim::testing::picture_test {
 namespace {
 
 const Eigen::Vector2d kSize{0.30, 0.225};  // [m]
@@ -282,4 +282,4 @@ TEST(Picture, BadOnesAreRefusedByName) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim::testing
+}  // namespace aras_visual_servo_sim::testing::picture_test

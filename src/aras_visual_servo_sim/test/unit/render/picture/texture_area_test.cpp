@@ -8,7 +8,7 @@
 
 #include "tools/texel_means.hpp"
 
-namespace aras_visual_servo_sim::testing {
+namespace aras_visual_servo_sim::testing::texture_area_test {
 namespace {
 
 using Polygon = std::vector<Eigen::Vector2d>;
@@ -131,4 +131,4 @@ TEST(TextureArea, OfALineIsTheTexelInItsMiddle) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim::testing
+}  // namespace aras_visual_servo_sim::testing::texture_area_test

@@ -7,7 +7,7 @@
 #include "aras_visual_servo_sim/robot/urdf_loader.hpp"
 #include "aras_visual_servo_sim/simulation/simulation.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::camera_frames_test {
 namespace {
 
 std::unique_ptr<Simulation> make(double drop_probability, bool triggered, std::uint64_t seed = 0) {
@@ -93,4 +93,4 @@ TEST(CameraFrames, ProbabilityOutOfRangeIsRefused) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::camera_frames_test

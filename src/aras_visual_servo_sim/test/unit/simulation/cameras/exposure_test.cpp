@@ -11,7 +11,7 @@
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "tools/pan_lift.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::exposure_test {
 namespace {
 
 constexpr std::int64_t kMillisecond = 1000000;
@@ -209,4 +209,4 @@ TEST(Exposure, OutOfRangeIsRefused) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::exposure_test

@@ -6,7 +6,7 @@
 
 #include "aras_visual_servo_sim/config/errors.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::frame_schedule_test {
 namespace {
 
 constexpr std::int64_t kMillisecond = 1000000;
@@ -43,4 +43,4 @@ TEST(FrameSchedule, RefusesRatesThatTheTicksCannotServe) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::frame_schedule_test

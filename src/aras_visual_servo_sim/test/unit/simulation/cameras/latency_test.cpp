@@ -9,7 +9,7 @@
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "tools/pan_lift.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::latency_test {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -232,4 +232,4 @@ TEST(Latency, OutOfRangeIsRefused) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::latency_test

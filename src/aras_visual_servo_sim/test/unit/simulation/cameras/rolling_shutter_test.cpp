@@ -8,7 +8,7 @@
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "tools/pan_lift.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::rolling_shutter_test {
 namespace {
 
 constexpr double kDark = 20.0, kBright = 230.0, kHalf_m = 0.1;
@@ -199,4 +199,4 @@ TEST(RollingShutter, SameBytesLateOrSavedOrSteppedOtherwise) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::rolling_shutter_test

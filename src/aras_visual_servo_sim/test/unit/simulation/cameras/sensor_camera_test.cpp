@@ -7,7 +7,7 @@
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "tools/pan_lift.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::sensor_camera_test {
 namespace {
 
 Simulation with(const std::string& camera) {
@@ -106,4 +106,4 @@ TEST(SensorCamera, OutOfRangeIsNamed) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::sensor_camera_test

@@ -5,7 +5,7 @@
 #include "aras_visual_servo_sim/robot/urdf_loader.hpp"
 #include "aras_visual_servo_sim/simulation/simulation.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::take_frames_test {
 namespace {
 
 CameraConfig cameraOf(const std::string& name, const std::string& renderer, int side) {
@@ -67,4 +67,4 @@ TEST(TakeFrames, AreRefusedWithoutAFrameThatIsDue) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::take_frames_test

@@ -7,7 +7,7 @@
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "tools/pan_lift.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::carried_test {
 namespace {
 
 /** Poses come from a product of two: a few roundings of numbers near 1. */
@@ -141,4 +141,4 @@ TEST(CarriedModels, RefuseUnknownLinksAndMotions) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::carried_test

@@ -9,7 +9,7 @@
 #include "aras_visual_servo_sim/scene/light_entry.hpp"
 #include "tools/pan_lift.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::light_test {
 namespace {
 
 /** A camera above a white floor that one weak sun lights from above. */
@@ -180,4 +180,4 @@ TEST(Lights, WhatCannotBeIsNamedAndChangesNothing) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::light_test

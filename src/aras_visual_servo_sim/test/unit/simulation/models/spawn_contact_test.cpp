@@ -7,7 +7,7 @@
 #include "aras_visual_servo_sim/scene/scene_loader.hpp"
 #include "tools/pan_lift.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::spawn_contact_test {
 namespace {
 
 constexpr double kHalf = 0.05,
@@ -210,4 +210,4 @@ TEST(SpawnedContacts, RefusalsNameTheCauseAndChangeNothing) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::spawn_contact_test

@@ -6,7 +6,7 @@
 #include "aras_visual_servo_sim/scene/scene_loader.hpp"
 #include "tools/pan_lift.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::spawn_test {
 namespace {
 
 const char* const kBox = "{name: box, box_m: [0.05, 0.05, 0.05], position_m: [0.1, 0, 0.1], color_rgb: [200, 0, 0]}";
@@ -122,4 +122,4 @@ TEST(ModelEntry, TellsDescriptionsApart) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::spawn_test

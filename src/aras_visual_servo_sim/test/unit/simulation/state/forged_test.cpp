@@ -6,7 +6,7 @@
 #include "tools/pan_lift.hpp"
 #include "tools/physics_tools.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::forged_test {
 namespace {
 
 TEST(Forged, AStampFromBeforeAllTimeIsTooOldAndOneAfterItInTheFuture) {
@@ -91,4 +91,4 @@ TEST(Forged, ATruthValueOfASavedWorldIsTrueOrFalse) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::forged_test

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::run_hash_test {
 namespace {
 
 std::string hashOf(const std::vector<std::string>& records) {
@@ -46,4 +46,4 @@ TEST(RunHash, StateCarriesEverything) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::run_hash_test

@@ -9,7 +9,7 @@
 
 #include "aras_visual_servo_sim/config/errors.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::snapshots_test {
 namespace {
 
 TEST(Snapshots, AreKeptByNameAndReplaced) {
@@ -77,4 +77,4 @@ TEST(Snapshots, AreNotKeptWithoutEnd) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::snapshots_test

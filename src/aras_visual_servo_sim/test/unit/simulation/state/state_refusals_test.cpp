@@ -5,7 +5,7 @@
 #include "tools/pan_lift.hpp"
 #include "tools/physics_tools.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::state_refusals_test {
 namespace {
 
 const auto kNoModels = [](const std::vector<SavedModel>&) { return ModelSet(); };
@@ -124,4 +124,4 @@ TEST(StateRefusals, ACommandIsDueWithinThirtyYears) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::state_refusals_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::lockstep_gate_test {
 namespace {
 
 TEST(LockstepGate, RunsFreeUntilTheFirstCommand) {
@@ -69,4 +69,4 @@ TEST(LockstepGate, ResetDisarms) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::lockstep_gate_test

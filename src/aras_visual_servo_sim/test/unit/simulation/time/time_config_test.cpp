@@ -6,7 +6,7 @@
 
 #include "aras_visual_servo_sim/config/errors.hpp"
 
-namespace aras_visual_servo_sim {
+namespace aras_visual_servo_sim::time_config_test {
 namespace {
 
 TimeConfig parse(const char* text) { return TimeConfig::fromYaml(YAML::Load(text)); }
@@ -37,4 +37,4 @@ TEST(TimeConfig, EveryKeyIsChecked) {
 }
 
 }  // namespace
-}  // namespace aras_visual_servo_sim
+}  // namespace aras_visual_servo_sim::time_config_test
