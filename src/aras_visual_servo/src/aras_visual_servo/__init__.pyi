@@ -127,6 +127,8 @@ from .runs.session import Session as Session
 from .runs.settings import ExperimentSettings as ExperimentSettings
 from .runs.settings import place_of as place_of
 from .scenario.feasibility import Feasibility as Feasibility
+from .scenario.reach_map import ReachMap as ReachMap
+from .scenario.reach_map import reach_map as reach_map
 from .scenario.schema import RobotSettings as RobotSettings
 from .scenario.schema import default_of as default_of
 from .scenario.schema import scenario_schema as scenario_schema

@@ -1,16 +1,19 @@
 // The 3-D view: robot, target, camera with its image, path, goal; the same for the live page and for a report.
 // THREE (three.js) and THREE.OrbitControls are scripts of the page.
 import { flatModel, frame, frustum, setPose, solid, Trail } from "./props.js";
+import { reachPlane } from "./reach.js";
 import { Robot } from "./robot.js";
 
 const FRUSTUM_M = 0.16;
+/** A reach counts for planes and attitudes that differ by less. */
+const SAME_RAD = 0.01, SAME_M = 0.001;
 /** Part of the view that the arm may fill. */
 const FILLED = 0.92;
 /** Keys of the view: turn around, turn over [rad], factor of the distance. */
 const KEYS = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1], "+": [0, 0, 0.85], "-": [0, 0, 1.18], Home: [] };
 const COLOURS = {
-  light: { sky: 0xeef1f4, floor: 0xd3d9df, grid: 0xb4bdc7, plate: 0xf4f4f1, path: 0x0b6e99, goal: 0x00805a, seen: 0x36454f },
-  dark: { sky: 0x14181d, floor: 0x232a32, grid: 0x3a444f, plate: 0xc9ccce, path: 0x56b6e0, goal: 0x3fc795, seen: 0xaeb9c4 } };
+  light: { sky: 0xeef1f4, floor: 0xd3d9df, grid: 0xb4bdc7, plate: 0xf4f4f1, path: 0x0b6e99, goal: 0x00805a, seen: 0x36454f, within: 0x00805a, beyond: 0xb3261e },
+  dark: { sky: 0x14181d, floor: 0x232a32, grid: 0x3a444f, plate: 0xc9ccce, path: 0x56b6e0, goal: 0x3fc795, seen: 0xaeb9c4, within: 0x3fc795, beyond: 0xff8a70 } };
 
 export const hasWebGL = () => {
   if (!window.THREE) return false;
@@ -104,9 +107,7 @@ export class World {
       top.position.z = -0.0085;
       top.castShadow = top.receiveShadow = true;
       plate.add(top);
-      setPose(plate, first.pose);
-      scene.add(plate);
-      this.plate = plate;
+      this.models[first.name].add(plate);   // it goes with the target
     }
     for (const entry of this.about.scene.solids) scene.add(solid(entry));
     this.camera = new THREE.Group();
@@ -125,6 +126,8 @@ export class World {
       this.ring.visible = false;
       this.target.add(this.ring);
     }
+    this.plane = null;
+    if (this.reach) this.setReach(this.reach);
     if (this.last) this.show(this.last);
     if (this.goalPose) this.setGoal(this.goalPose);
     if (this.path) this.trail.set(this.path);
@@ -166,7 +169,6 @@ export class World {
     }
     if (this.camera) add(this.camera);
     if (this.target) add(this.target);
-    if (this.plate) add(this.plate);
     return points;
   }
 
@@ -200,6 +202,7 @@ export class World {
       }
     }
     if (this.target && state.target && !this.held) setPose(this.target, state.target);
+    this.shade();
     this.dirty = true;
   }
 
@@ -216,6 +219,29 @@ export class World {
     this.dirty = true;
   }
 
+  /** reach: where the target may lie, as the run answers; null: not known. */
+  setReach(reach) {
+    this.reach = reach;
+    if (this.plane) this.scene.remove(this.plane);
+    this.plane = reach && reachPlane(reach, this.colours);
+    if (this.plane) this.scene.add(this.plane);
+    this.shade();
+    this.dirty = true;
+  }
+
+  /** Shades the plane while the target is dragged, and while it lies out of reach. */
+  shade() {
+    const shown = Boolean(this.held) || this.last?.kind === "out_of_reach";
+    if (this.plane && this.plane.visible !== shown) { this.plane.visible = shown; this.dirty = true; }
+  }
+
+  /** Whether the reach that is known is of another plane or attitude than the target's. */
+  reachIsOld() {
+    if (!this.reach || !this.target) return true;
+    const [x, y, z, ...q] = this.reach.pose, plane = new THREE.Quaternion(...q), normal = new THREE.Vector3(0, 0, 1).applyQuaternion(plane);
+    return plane.angleTo(this.target.quaternion) > SAME_RAD || Math.abs(this.target.position.clone().sub(new THREE.Vector3(x, y, z)).dot(normal)) > SAME_M;
+  }
+
   /** points: [x, y, z] of the camera. */
   setPath(points) { this.path = points; this.trail.set(points); this.dirty = true; }
 
@@ -223,11 +249,12 @@ export class World {
 
   size(width, height) {
     const ratio = this.plain >= 2 ? 0.6 : Math.min(devicePixelRatio || 1, 2);
-    if (this.w === width && this.h === height && this.ratio === ratio) return;
+    const same = this.w === width && this.h === height;
+    if (same && this.ratio === ratio) return;
     Object.assign(this, { w: width, h: height, ratio, dirty: true });
     this.renderer.setPixelRatio(ratio);
     this.renderer.setSize(width, height, false);
-    if (!this.touched) this.home();
+    if (!same && !this.touched && !this.held) this.home();   // the view stays where it is under a hand
   }
 
   /** Where the second view lies: [left, top, width, height] in px of the canvas. */
@@ -294,8 +321,8 @@ export class World {
     return far < 1.12 ? "move" : far < 1.45 ? "turn" : null;
   }
 
-  /** Lets the target be dragged and turned; place(position, quaternion) is called while it goes on. */
-  draggable(place) {
+  /** Lets the target be dragged and turned; place(position, quaternion) is called while it goes on, ended() after it. */
+  draggable(place, ended = () => {}) {
     const canvas = this.canvas, axis = new THREE.Vector3(0, 0, 1);
     const angle = (at) => {
       const local = at.clone().sub(this.held.origin).applyQuaternion(this.held.turned.clone().conjugate());
@@ -323,6 +350,7 @@ export class World {
       this.held = { kind, origin: this.target.position.clone(), turned: this.target.quaternion.clone(), from: this.onPlane(event), pointer: [event.clientX, event.clientY] };
       this.held.angle = angle(this.held.from);
       this.ring.visible = true;
+      this.shade();
       this.controls.enabled = false;
       canvas.setPointerCapture(event.pointerId);
     }, true);
@@ -331,6 +359,8 @@ export class World {
       this.held = null;
       this.controls.enabled = true;
       this.ring.visible = false;
+      this.shade();
+      ended();
       this.dirty = true;
     };
     // Where it is let go counts, also where no move was seen to lead there.

@@ -17,7 +17,7 @@ const make = (page) => {
   }
   const canvas = el("canvas", { id: "world", tabindex: 0, role: "application", "aria-label": "the arm: arrow keys turn the view, plus and minus zoom, Home shows all of it; the target can be moved in the panel Target" });
   const inset = el("button", { class: "inset", type: "button", hidden: true, "aria-label": "change places with the large view", title: "The observer's view; click to change places with the large one" });
-  body.append(canvas, inset, el("p", { class: "hint" }, "Drag turns the view, the wheel or two fingers zoom, the right button or two fingers shift. Drag the target to move it, the ring around it to turn it. Keys: arrows, + and −, Home."));
+  body.append(canvas, inset, el("p", { class: "hint" }, "Drag turns the view, the wheel or two fingers zoom, the right button or two fingers shift. Drag the target to move it, the ring around it to turn it: where the plane is green the arm can follow. Keys: arrows, + and −, Home."));
   let world = null;
   const toggle = (text, title, on, act) => {
     const control = button(text, title, () => { control.setAttribute("aria-pressed", String(act())); }, { "aria-pressed": String(on), class: "quiet" });
@@ -36,6 +36,13 @@ const make = (page) => {
     if (performance.now() - sent > 40) send(); else later = setTimeout(send, 40);
   };
 
+  // Where the arm can follow the target: known ahead, asked anew when plane or attitude of the target have changed.
+  let asking = false;
+  const askReach = (anew = false) => {
+    if (asking || !world || !model.state?.taught || !(anew || world.reachIsOld())) return;
+    asking = true;
+    page.ask({ do: "reach" }).then((reach) => world?.setReach(reach)).catch(() => world?.setReach(null)).finally(() => { asking = false; });
+  };
   let robot = "";
   const build = async (about) => {
     const same = JSON.stringify([about.robot, about.scene, about.camera, about.target]);
@@ -46,7 +53,8 @@ const make = (page) => {
     const old = world;
     world = new World(canvas, about, geometries, isDark(), old?.renderer);
     if (old) { world.second = old.second; world.eye.position.copy(old.eye.position); world.controls.target.copy(old.controls.target); world.touched = old.touched; old.controls.dispose(); world.controls.update(); }
-    world.draggable(place);
+    world.draggable(place, () => setTimeout(askReach, 100));   // the last place is on its way
+    askReach(true);
     page.world = world;
     world.size(canvas.clientWidth, canvas.clientHeight);
     if (model.state) world.show(model.state);
@@ -61,7 +69,7 @@ const make = (page) => {
   model.on("shown", (state) => world?.show(state));
   model.on("picture", ({ bitmap }) => world?.image(bitmap));
   model.on("past", (past) => path(past ? past.rows.slice(0, placeAt(past.rows, past.t) + 1) : model.rows));
-  model.on("goal", (goal) => world?.setGoal(goal ? goal.pose : null));
+  model.on("goal", (goal) => { world?.setGoal(goal ? goal.pose : null); if (goal) askReach(true); else world?.setReach(null); });
   model.on("theme", () => world?.build(isDark()));
   let shown = 0;
   model.on("rows", (rows) => { if (!model.past && performance.now() - shown > 100) { shown = performance.now(); path(rows); } });

@@ -271,6 +271,18 @@ class ArmMotion:
         self.chatters = None if self._chatter is None else self._chatter.joint(q_dot)
         return Motion(q_dot, jacobian @ q_dot, status, text)
 
+    def driven(self, q: np.ndarray, q_dot: np.ndarray, jacobian: np.ndarray, dt_s: float, status: Status,
+               text: str) -> Motion:
+        """`Motion` of joint velocities, (n,), that lead to joint positions within the limits, slowed as these ask."""
+        twist = jacobian @ q_dot
+        slower = [float(np.linalg.norm(a) / np.linalg.norm(b)) for a, b in
+                  ((self.within_limits(twist)[:3], twist[:3]), (self.within_limits(twist)[3:], twist[3:])) if b.any()]
+        q_dot = q_dot * min([velocity_factor(q_dot, self._kinematics.velocity), *slower])
+        if self._accelerates:
+            q_dot = accelerated(self._before, q_dot, self._acceleration * dt_s)
+            q_dot = q_dot * position_factor(q, q_dot, self.lower, self.upper, dt_s)[0]
+        return self.told(q_dot, jacobian, status, text)
+
     def _without_blocked(self, q, q_dot, joint, twist, jacobian, dt_s):
         """`Motion` in which joints at their limits stop there and the others go on: saturation in the null space (T44).
 

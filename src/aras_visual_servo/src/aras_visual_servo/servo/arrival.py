@@ -33,7 +33,7 @@ class Arrival(Stage):
         self.rule = StopRule(goal.features.names, config.thresholds, config.hold_s, config.stop, config.follows, images,
                              left_open)
         self._goal, self._arm, self._config, self._tracker = goal, arm, config, tracker
-        self.holds_tilt = config.tilt_gain_per_s > 0.0 and not goal.features.sees_tilt
+        self.holds_tilt = config.holds_tilt(goal.features.sees_tilt)
         self._tells_displaced = not (config.follows or config.symmetric_target)
         self._below_ns: Optional[int] = None
         self.displaced = ""
@@ -55,6 +55,7 @@ class Arrival(Stage):
         tilt, pose = self._arm.tilt_of(X_BC) if self.holds_tilt else None, answer.pose
         if pose is None:
             pose = self._goal.pose.of(np.array(answer.e), tilt)
+        tick.pose = pose
         arrived = rule.arrived(tick.stamp_ns, answer.e, tilt, pose, X_BC, answer.pose is not None,
                                getattr(tick.features, "edge_stddev", nan))
         published, self.displaced = config.stop.rule == "published", ""

@@ -6,6 +6,7 @@ from typing import Any, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
+from ..arm.nearest import SCALE
 from ..features.base import FeatureSet, View
 from ..features.edges import edge_changes, whole
 from ..features.interaction import plane_from_pose
@@ -19,6 +20,8 @@ TILT_COLUMNS, OTHER_COLUMNS = [3, 4], [0, 1, 2, 5]
 SEEN = 1e-4
 #: ... and is named when it has at least this part of a motion that is not seen.
 NAMED = 0.3
+#: Makes translations comparable with rotations where the depth is not asked for [m].
+UNIT_M = 0.5
 MOTIONS = ("translation along x", "translation along y", "translation along the optical axis", "rotation about x",
            "rotation about y", "rotation about the optical axis")
 #: The same view after another turn: the points differ by no more than this part of their distance from their middle.
@@ -134,6 +137,18 @@ class GoalPose:
         if self._with_tilt is None or tilt is None:
             return self._inverse @ e
         return self._with_tilt @ np.array((*e.tolist(), *tilt))  # floats: NumPy's numbers take twice as long
+
+    def told_rows(self, tilt_held: bool) -> Optional[np.ndarray]:
+        """Returns (r, 6) orthonormal displacements that count, translations over `arm.nearest.LENGTH_M`; None: all six.
+
+        Args: tilt_held: rotations about x and y are known from the joints.
+        """
+        if self._L is None or not np.isfinite(self._L).all():
+            return None
+        unit = np.array([1.0 / UNIT_M] * 3 + [1.0] * 3)  # what is seen does not depend on the unit of SCALE
+        _, sigmas, Vt = np.linalg.svd(np.vstack([self._L / unit, *(np.eye(6)[TILT_COLUMNS] if tilt_held else ())]))
+        seen = Vt[:len(sigmas)][sigmas > SEEN * sigmas[0]] * unit / SCALE
+        return None if len(seen) == 6 else np.linalg.qr(seen.T)[0].T
 
     def unseen(self, jacobian: np.ndarray, length_m: float, tilt_held: bool) -> Tuple[str, ...]:
         """Returns the motions of the camera that the arm can make and the features do not tell, in words.

@@ -18,6 +18,7 @@ import numpy as np
 
 from ..arm.motion import ArmMotion, Motion
 from ..ground.types import Status
+from .nearest_point import DISTANCE_M, NearestPoint, direction
 from .stage import Tick
 from .stop_rule import StopRule
 
@@ -41,23 +42,19 @@ CALM_S = 4.0
 TAKEN = 0.1
 #: The servo goes on when what is asked for has changed by this part; what is asked for is averaged over MEAN_S [s].
 CHANGED, MEAN_S = 0.1, 0.2
-#: Makes rotations comparable with translations: a distance from which targets are seen [m].
-DISTANCE_M = 0.3
-NAMES = ("vx", "vy", "vz", "wx", "wy", "wz")
-#: Components of the direction below this part of the largest one are not named.
-NAMED = 0.25
 
 
 class OutOfReach:
     """Watches the arm of one servo. Attributes: asked: (6,) twist that the resting arm cannot do; None: it does not
     rest."""
 
-    def __init__(self, arm: ArmMotion, rule: StopRule, swings: bool = False) -> None:
+    def __init__(self, arm: ArmMotion, rule: StopRule, swings: bool = False,
+                 nearest: Optional[NearestPoint] = None) -> None:
         """Args: rule: tells where the camera is close to the goal; nothing is watched there.  swings: joints swing more
-        slowly than from image to image, as under limits of their acceleration."""
+        slowly than from image to image, as under limits of their acceleration.  nearest: is asked first."""
         from .._kinematics import between  # C++: not needed to describe the settings of the servo
         self._arm, self._rule, self._between, self._active = arm, rule, between, arm.has_ends
-        self._drift = SWINGING * DRIFT if swings else DRIFT
+        self._drift, self._nearest = SWINGING * DRIFT if swings else DRIFT, nearest
         self.clear()
 
     def clear(self) -> None:
@@ -75,6 +72,10 @@ class OutOfReach:
 
     def held(self, tick: Tick) -> Optional[Motion]:
         """Returns the `Motion` of a resting arm; None where the arm does not rest, or goes on with this image."""
+        motion = None if self._nearest is None else self._nearest.motion(tick)
+        if motion is not None:
+            self.clear()
+            return motion
         if self.asked is None:
             return None
         part = min(1.0, tick.dt_s / MEAN_S)
@@ -84,6 +85,11 @@ class OutOfReach:
             return None
         self._arm.rest()
         return Motion(np.zeros_like(tick.q), np.zeros(6), Status.OUT_OF_REACH, self._text)
+
+    @property
+    def over(self) -> bool:
+        """Whether the arm has rested for so long that the servo ends."""
+        return self._nearest is not None and self._nearest.over
 
     def left(self, twist: np.ndarray) -> np.ndarray:
         """Returns what the arm is to do of a twist, (6,), that is asked for."""
@@ -98,7 +104,9 @@ class OutOfReach:
 
     def watch(self, tick: Tick, asked: np.ndarray, motion: Motion) -> None:
         """Takes in what an image was answered with. Args: asked: (6,) twist asked for."""
-        if not self._active or self.asked is not None:
+        if self._nearest is not None:
+            self._nearest.hindered = motion.status is not None
+        if not self._active or self.asked is not None or self._nearest is not None and self._nearest.active:
             return
         if self._rule.close:
             if self._images or self._calm_ns is not None:
@@ -172,15 +180,6 @@ class OutOfReach:
         self.asked = self._mean = (last[2] - first[2]) / (1e-9 * (last[0] - first[0]))
         by = f", {motion.text}" if motion.status == Status.JOINT_LIMIT else ""
         self._text = f"out of reach{by}; in its own frame the camera would have to go on by {direction(self.asked)}"
-
-
-def direction(twist: np.ndarray) -> str:
-    """Returns the components of a twist, (6,), that count most, in words, largest first."""
-    weight = [1.0] * 3 + [DISTANCE_M] * 3
-    sizes = [abs(value) * w for value, w in zip(twist.tolist(), weight)]
-    order = sorted(range(6), key=lambda i: -sizes[i])
-    return ", ".join(f"{NAMES[i]} {twist[i]:+.3f} {'m/s' if i < 3 else 'rad/s'}" for i in order
-                     if sizes[i] >= NAMED * max(sizes))
 
 
 def _parts(twist: np.ndarray) -> np.ndarray:

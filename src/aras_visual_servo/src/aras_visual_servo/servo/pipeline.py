@@ -13,6 +13,7 @@ from .gates import Hindrance, Stale, TimeLimit
 from .goal import Goal
 from .look_then_move import LookThenMove, UnderWay
 from .lost_target import AfterLoss, LostTarget
+from .nearest_point import NearestPoint
 from .out_of_reach import OutOfReach
 from .settings import ServoSettings
 from .stage import STAGES, SixNumbers, Stage
@@ -33,6 +34,7 @@ def make_stages(goal: Goal, arm: ArmMotion, config: ServoSettings, start_ns: int
     arrival = Arrival(goal, arm, config, tracker)
     swings = law.moves_joints or bool(config.limits.joint_acceleration)
     moves = LookThenMove(kinematics, arm, config, arrival, set_point)
+    nearest: Any = config.out_of_reach and NearestPoint(config.out_of_reach, goal, arm, config)
     looks, calms = config.mode == "look_then_move", config.creep_rate_per_s > 0.0 and not config.follows
     gates: List[Any] = [
         TimeLimit(config, start_ns, arrival, hindrance),
@@ -54,6 +56,6 @@ def make_stages(goal: Goal, arm: ArmMotion, config: ServoSettings, start_ns: int
         config.visibility and Visibility(config.visibility),
         calms and CreepCompensation(config.creep_rate_per_s, arrival.rule),
         *(stage for name in config.stages for stage in (STAGES[name](kinematics, config), SixNumbers(name))),
-        JointVelocity(arm, law, tracker, OutOfReach(arm, arrival.rule, swings)),
+        JointVelocity(arm, law, tracker, OutOfReach(arm, arrival.rule, swings, nearest)),
     ]
     return list(filter(None, gates + twist + last)), lost, hindrance

@@ -62,8 +62,9 @@ class Servo:
 
     @property
     def finished(self) -> bool:
-        """True when only start() moves again (CONVERGED, STOPPED_BY_RULE, TIMED_OUT, STOPPED or FAULT)."""
-        return self.status in FINAL
+        """True when only start() moves again (CONVERGED, STOPPED_BY_RULE, TIMED_OUT, STOPPED or FAULT; OUT_OF_REACH
+        after `servo.out_of_reach.rest_s`)."""
+        return self.status in FINAL or self._tick.over
 
     @property
     def feature_names(self) -> Tuple[str, ...]:
@@ -107,7 +108,7 @@ class Servo:
         servo.set_reference(reference)
         if self.status != Status.IDLE:
             servo.start(self._start_ns)
-            servo._tick = servo._tick.set(status=self.status, text=self._tick.text)
+            servo._tick = servo._tick.set(status=self.status, text=self._tick.text, over=self._tick.over)
         return servo
 
     def teach(self, features: Any, q: Any, z_star_m: float) -> Reference:
@@ -182,7 +183,7 @@ class Servo:
         self._arm.rest()
         for stage in self._stages:
             tick = stage.rest(tick)
-        if tick.status not in FINAL:
+        if tick.status not in FINAL and not tick.over:
             tick = tick.set(answer=self._no_answer, manipulability=nan, judged=UNKNOWN)
         return self._answer(tick)
 

@@ -23,6 +23,7 @@ from ..features.target.target_pose import PlanarTarget
 from .feature_filter import FilterSettings
 from .feed_forward import FeedForwardSettings
 from .lost_target import ACTIONS, LostTargetSettings
+from .nearest_point import OutOfReachSettings
 from .stage import STAGES
 from .stop_rule import StopSettings
 from .visibility import VisibilitySettings
@@ -98,6 +99,11 @@ class ServoSettings(LawSetup):
         None, help="The object is kept in a view of this size (T43; 55 us); mode `continuous` only.")
     feed_forward: Optional[FeedForwardSettings] = setting(
         None, help="The estimated motion of the target is fed forward (T45); mode `continuous` only.")
+    out_of_reach: Optional[OutOfReachSettings] = setting(
+        None,
+        help="An arm that cannot bring the camera to the goal goes to the nearest point by its kinematics and rests "
+             "there, and the servo ends. Off: the arm rests after it was watched for some seconds, and the servo goes "
+             "on to its time limit. Mode `continuous` only.")
     filter: Optional[FilterSettings] = setting(
         None,
         help="The features are filtered, foreseen while the target is not seen, and foreseen by a latency; mode "
@@ -116,6 +122,10 @@ class ServoSettings(LawSetup):
     def follows(self) -> bool:
         """Whether the goal may move."""
         return self.track or self.feed_forward is not None
+
+    def holds_tilt(self, sees_tilt: bool) -> bool:
+        """Returns whether the joint positions hold the optical axis. Args: sees_tilt: the features do."""
+        return self.tilt_gain_per_s > 0.0 and not sees_tilt
 
     @classmethod
     def from_dict(cls, source: Mapping, joint_names: Sequence[str] = ()) -> "ServoSettings":
@@ -178,7 +188,7 @@ class ServoSettings(LawSetup):
             yield f"output: found {self.output} with mode: look_then_move, allowed joints: it moves to positions"
         if law is not None and law.continuous_only:
             yield f"mode: found look_then_move, allowed with law '{self.law}': continuous"
-        for key in ("filter", "feed_forward", "track", "stages", "visibility", "limits"):
+        for key in ("filter", "feed_forward", "track", "stages", "visibility", "limits", "out_of_reach"):
             if getattr(self, key) and getattr(self, key) != getattr(ServoSettings, key):
                 yield f"{key}: found with mode: look_then_move, allowed with mode: continuous"
         for name, gain in zip(names, self.gains_per_s):

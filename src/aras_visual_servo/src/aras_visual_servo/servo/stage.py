@@ -45,11 +45,13 @@ class Tick:
             at the end what the arm does.
         jacobian: J_BC_C, (6, n), at q.  inverse: its `TwistInverse` solution.  manipulability: there [-].
         judged: (tilt_rad, position_m, rotation_rad) as the stop rule judges them; NaN where unknown.
+        pose: (6,) displacement of the camera from the goal that the errors stand for (T60); None: not known.
         applied: (6,) V_C that the arm was given at the last image; None: it was at rest.
         status, text: `Status`, and why.
         held: what keeps the arm from the motion that is asked for at this image, in words; "" if nothing does.
         q_dot: (n,) joint velocities of the command [m/s, rad/s]; None: not decided, the next stage goes on.
         set_point: (n,) joint positions of the command, None: none.  rests: the arm is stopped at this image.
+        over: the servo ends with this image, whatever its status.
     """
 
     stamp_ns: int
@@ -65,6 +67,7 @@ class Tick:
     inverse: Any = LATER
     manipulability: float = float("nan")
     judged: Tuple[float, float, float] = UNKNOWN
+    pose: Optional[np.ndarray] = None
     applied: Optional[np.ndarray] = None
     status: Status = Status.IDLE
     text: str = ""
@@ -72,6 +75,7 @@ class Tick:
     q_dot: np.ndarray = LATER
     set_point: Optional[np.ndarray] = None
     rests: bool = False
+    over: bool = False
 
     def next(self, observation: Observation, q: np.ndarray, dt_s: float) -> "Tick":
         """Returns a new tick for the next image, taken at joint positions q, (n,)."""

@@ -207,7 +207,7 @@ class JointVelocity(Stage):
         if self.tracker is not None:
             self.tracker.commanded(tick.stamp_ns, motion.twist)
         tick.q_dot, tick.twist, tick.applied = motion.q_dot, motion.twist, motion.twist
-        tick.text = motion.text or tick.text
+        tick.text, tick.over = motion.text or tick.text, self.reach.over
         return tick
 
     def rest(self, tick: Tick) -> Tick:

@@ -86,7 +86,7 @@ HELD = (Status.OUT_OF_REACH, Status.JOINT_LIMIT, Status.NEAR_SINGULARITY, Status
 #: (kind, statuses, pattern of the text, what to do now).
 TABLE: Tuple[Tuple[str, Tuple[Status, ...], str, str], ...] = (
     ("out_of_reach", (*HELD, *ENDS), r"(?:go on|cannot go on) by (?P<way>\w\w) (?P<sign>[+-])",
-     "Drag the target {drag}: the arm goes on as soon as it can reach it."),
+     "Drag the target {drag}, or to where its plane is green: the arm goes on as soon as it can reach it."),
     ("chatters", (*HELD, *ENDS), rf"{JOINT} chatters",
      "{joint} reverses because the arm is close to a singularity: drag the target nearer, bend {way_out}, or raise "
      "servo.inverse.damping."),

@@ -8,7 +8,7 @@ import numpy as np
 from aras_visual_servo import Status
 
 #: Ends of a servo after which a target that moves is followed ...
-FOLLOWED = (Status.CONVERGED, Status.SETTLED, Status.TIMED_OUT, Status.STOPPED_BY_RULE)
+FOLLOWED = (Status.CONVERGED, Status.SETTLED, Status.TIMED_OUT, Status.STOPPED_BY_RULE, Status.OUT_OF_REACH)
 #: ... once it has moved this far since then [m], or turned this far [rad].
 MOVED_M, MOVED_RAD = 2e-4, 1e-3
 

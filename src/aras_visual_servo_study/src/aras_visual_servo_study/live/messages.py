@@ -126,6 +126,12 @@ class PlaceTarget:
     q_xyzw: Tuple[float, ...] = setting(size=4, help="Its attitude, a unit quaternion.")
 
 
+@REQUESTS.register("reach", do="reach")
+@dataclass(frozen=True)
+class Reach:
+    """Ask where on its plane the target may lie, so that the arm can bring the camera to the taught view."""
+
+
 @REQUESTS.register("move_target", do="move_target")
 @dataclass(frozen=True)
 class MoveTarget:

@@ -2,14 +2,15 @@
 
 import math
 import re
-from typing import Any, Dict, List, Optional, Sequence, Set, Tuple
+from functools import partial
+from typing import Any, Callable, Dict, List, Optional, Sequence, Set, Tuple
 
 import numpy as np
 import yaml
 
-from aras_visual_servo import (JOINT_HALF_WIDTH, TWIST_NAMES, Feasibility, Features, ParameterError, RobotKinematics,
-                               Scenario, Servo, ServoRecord, Status, known_features, known_laws, scenario_schema,
-                               spatial, styles, works_on)
+from aras_visual_servo import (JOINT_HALF_WIDTH, TWIST_NAMES, Feasibility, Features, ParameterError, ReachMap,
+                               RobotKinematics, Scenario, Servo, ServoRecord, Status, known_features, known_laws,
+                               reach_map, scenario_schema, spatial, styles, works_on)
 from .advice import Moment, Seen, advice
 from .following import Following
 from .hand import Hand
@@ -23,6 +24,8 @@ QUIET = ("idle", "done")
 NUMBERED = re.compile("N$")
 #: How many random starts are tried to find one from which the target is in view.
 MOST_STARTS = 200
+#: A camera that stays farther away than this is no matter of the map of the reach [m].
+MOST_MISSING_M = 1.0
 #: Columns of a row that hold the poses of camera and target.
 POSES = ("x", "y", "z", *(f"camera.{name}" for name in ("qx", "qy", "qz", "qw")),
          *(f"target.{name}" for name in ("x", "y", "z", "qx", "qy", "qz", "qw")))
@@ -59,6 +62,7 @@ class PageRun:
         self.image: Optional[np.ndarray] = None
         self.features: Optional[Features] = None
         self.goal: Optional[Tuple[np.ndarray, Dict[str, Any], List[float]]] = None
+        self._view: Optional[Tuple[np.ndarray, np.ndarray]] = None
         self.X_WC, self.taught, self._marked, self._marks = np.eye(4), False, None, {}
         self._seen: Optional[Seen] = None
         self._advised: Optional[Tuple[Status, str, str]] = None
@@ -143,7 +147,8 @@ class PageRun:
 
     def keep_goal(self, X_WC: np.ndarray) -> None:
         """Keeps the last image, taken from X_WC, (4, 4), as the taught one."""
-        self.taught = True
+        self.taught, X_WT = True, self.target_pose()
+        self._view = None if X_WT is None else (X_WC, X_WT)
         if self.image is not None:
             self.goal = np.array(self.image), self.marks(), pose_numbers(X_WC)
 
@@ -162,8 +167,9 @@ class PageRun:
 
     # --- what pages ask for ---------------------------------------------------------------------------------------
 
-    def do(self, request: Any) -> Dict[str, Any]:
+    def do(self, request: Any) -> Any:
         """Answers a request of live/messages.py: dict for the page, {} if there is no more to say than that it is done.
+        An answer that takes seconds is a function that returns the dict: `Runner` calls it beside the run.
 
         Raises: ArasError: it cannot be done; nothing has changed.
         """
@@ -189,6 +195,21 @@ class PageRun:
         if not 0.99 < length < 1.01:
             raise ParameterError(f"place_target.q_xyzw: found a length of {length:.4g}, allowed 1")
         self.place_target(list(request.position_m), [x / length for x in request.q_xyzw])
+
+    def do_reach(self, _request: Any) -> Callable[[], Dict[str, Any]]:
+        """Returns a function that takes seconds, and answers with the `ReachMap` for JSON.
+
+        pose: of the plane.  first_m, step_m: [x, y] on it.  missing_mm: rows along y of how far the camera stays away,
+        rounded up, 0 within reach.
+        """
+        X_WT, q = self.target_pose(), self.joints()
+        if self._view is None or X_WT is None or q is None:
+            raise ParameterError("reach: found no taught view of a target, allowed after one was taught")
+        if not self.kinematics.spare_motion or self.scenario.robot.get("target_link") is not None:
+            raise ParameterError("reach: found a camera that flies, or a target that the arm carries; allowed an arm "
+                                 "that carries the camera")
+        found = partial(reach_map, self.scenario, self.kinematics, self.servo, *self._view, X_WT, np.array(q))
+        return lambda: reach_message(found())
 
     def do_move_target(self, request: Any) -> None:
         if self.target is None:
@@ -244,6 +265,13 @@ class PageRun:
         content = changed(scenario, values).as_dict()
         return {"yaml": f"# Saved from the live page, from the scenario {scenario.name}.\n" + yaml.safe_dump(
             content, sort_keys=False, allow_unicode=True, default_flow_style=None)}
+
+
+def reach_message(found: ReachMap) -> Dict[str, Any]:
+    """Returns the map for JSON, as `PageRun.do_reach` says."""
+    mm = np.ceil(1e3 * np.minimum(found.missing_m, MOST_MISSING_M)).astype(int)
+    return {"pose": pose_numbers(found.X_WP), "first_m": found.first_m.tolist(), "step_m": found.step_m.tolist(),
+            "missing_mm": mm.tolist()}
 
 
 def marks_of(features: Optional[Features], camera_info: Dict[str, Any]) -> Dict[str, Any]:

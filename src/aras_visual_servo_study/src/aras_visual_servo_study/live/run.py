@@ -21,11 +21,18 @@ from .page_run import QUIET, PageRun
 from .settings import acts_at_once, changed, put
 
 
+def with_rest(scenario: Scenario) -> Scenario:
+    """Returns a scenario whose arm rests soon where it cannot follow the target, unless it says otherwise."""
+    if "out_of_reach" in scenario.servo or scenario.servo["mode"] != "continuous":
+        return scenario
+    return changed(scenario, {"servo.out_of_reach": {}})
+
+
 class LiveRun(PageRun):
     """The backend in this process. Its image is valid until the next one. Raises the errors of `ServoLoop`."""
 
     def __init__(self, scenario: Scenario) -> None:
-        super().__init__(scenario)
+        super().__init__(with_rest(scenario))
         self._lesson: Optional[LessonInHand] = None
         self._build(None)
 

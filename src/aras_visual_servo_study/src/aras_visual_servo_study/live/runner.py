@@ -10,7 +10,7 @@ import threading
 import time
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Any, Dict, List, Optional, Tuple
+from typing import Any, Callable, Dict, List, Optional, Tuple
 
 import numpy as np
 
@@ -65,6 +65,7 @@ class Runner:
     def __init__(self, run: PageRun, speed: float = 1.0, on_first_viewer: Any = None) -> None:
         self._run, self._speed, self._on_first_viewer = run, speed, on_first_viewer
         self._queue, self._pool = queue.SimpleQueue(), ThreadPoolExecutor(1) if run.asks_nodes else None
+        self._beside = ThreadPoolExecutor(1)
         self._paused, self._steps, self._closed = False, 0, False
         self._factor, self._measured = 0.0, None
         self._anchor = None  # (wall [s], simulated [ns]) from which the speed counts
@@ -85,6 +86,7 @@ class Runner:
         """Ends the thread and waits for it."""
         self._closed = True
         self._thread.join()
+        self._beside.shutdown(cancel_futures=True)
 
     def urdf_xml(self) -> str:
         """Returns the robot description of the run as it stands: a lesson may have brought another arm."""
@@ -93,7 +95,7 @@ class Runner:
     def submit(self, request: Any) -> Future:
         """Returns the future of the answer to a request: dict, or the ArasError that refused it."""
         if self._pool is not None:
-            return self._pool.submit(self._do, request)
+            return self._pool.submit(self._do_whole, request)
         answer: Future = Future()
         self._queue.put((request, answer))
         return answer
@@ -121,12 +123,15 @@ class Runner:
             except queue.Empty:
                 return
             try:
-                answer.set_result(self._do(request))
+                result = self._do(request)
+                if callable(result):
+                    self._beside.submit(_answer, answer, request, result)
+                else:
+                    answer.set_result(result)
             except RuntimeError as error:  # ours and the simulator's: it names what is wrong
                 answer.set_exception(error)
             except Exception as error:
-                logging.getLogger(__name__).exception("request %s", request)
-                answer.set_exception(ArasError(f"{request.do}: {type(error).__name__}: {error}"))
+                answer.set_exception(_told(request, error))
 
     def _do(self, request):
         ours = hasattr(self, "do_" + request.do) and not hasattr(self._run, "do_" + request.do)
@@ -142,6 +147,10 @@ class Runner:
             self._trouble = ""
         self._state_s = -1.0  # a page sees what came of it at once
         return result or {}
+
+    def _do_whole(self, request):
+        result = self._do(request)
+        return result() if callable(result) else result
 
     def do_pause(self, request: Any) -> None:
         """Lets simulated time stand still, or go on."""
@@ -226,3 +235,19 @@ class Runner:
             state.update(run.why(Status.FAULT, self._trouble))
         number = 0 if self.sample is None else self.sample.number + 1
         self.sample = Sample(number, state, self._image, self._image_number, self._marks, self._goal, run.version)
+
+
+def _answer(answer: Future, request: Any, work: Callable[[], Dict[str, Any]]) -> None:
+    """Does work that takes long, beside the run."""
+    try:
+        answer.set_result(work())
+    except RuntimeError as error:
+        answer.set_exception(error)
+    except Exception as error:
+        answer.set_exception(_told(request, error))
+
+
+def _told(request: Any, error: Exception) -> ArasError:
+    """The error that a page is told, and a line in the log with where it came from."""
+    logging.getLogger(__name__).error("request %s", request, exc_info=error)
+    return ArasError(f"{request.do}: {type(error).__name__}: {error}")

@@ -1,10 +1,14 @@
 """The live run without a page: what is asked for acts on the next image, or is refused and changes nothing."""
 
+import json
+import re
+
 import numpy as np
 import pytest
 import yaml
 
-from aras_visual_servo import load_scenario, ParameterError, Status
+from aras_visual_servo import load_scenario, ParameterError, spatial, Status
+from aras_visual_servo.scenario import reach_map
 from aras_visual_servo_study.live import messages as ask
 from aras_visual_servo_study.live.run import LiveRun
 
@@ -187,6 +191,56 @@ def test_a_target_that_moves_after_the_last_image_was_taken_is_followed(run):
     assert images(again, 1, ended) and again.record.status == Status.CONVERGED
     assert images(again, 5, servoing) and images(again, SERVO_IMAGES, ended)
     assert again.loop.camera_pose()[:3, 3] - before == pytest.approx([0.0, 0.03, 0.0], abs=1e-3)
+
+
+def place(run, X_WT, way):
+    """Puts the target so far from a pose, (4, 4)."""
+    run.do(ask.PlaceTarget(tuple(X_WT[:3, 3] + way), tuple(spatial.quaternion_xyzw(X_WT[:3, :3]))))
+
+
+def reach_of(run, monkeypatch):
+    monkeypatch.setattr(reach_map, "SIDE", 7)
+    return run.do(ask.Reach())()
+
+
+def test_the_reach_is_of_the_plane_on_which_the_target_lies(run, monkeypatch):
+    images(run, SERVO_IMAGES, ended)
+    X_WT, found = run.target_pose(), reach_of(run, monkeypatch)
+    assert found["pose"] == pytest.approx([*X_WT[:3, 3], *spatial.quaternion_xyzw(X_WT[:3, :3])], abs=1e-5)
+    missing_mm = np.array(found["missing_mm"])
+    assert missing_mm.shape == (7, 7) and 0 < (missing_mm == 0).sum() < 40
+    json.dumps(found)
+
+
+def test_the_arm_rests_where_it_is_nearest_and_follows_again(run):
+    images(run, SERVO_IMAGES, ended)
+    X_WT, X_TC = run.target_pose(), np.linalg.solve(run.target_pose(), run.camera_pose())
+    place(run, X_WT, [0.1, 0.1, 0.0])
+    assert images(run, 5 * SERVO_IMAGES, lambda run: ended(run) and run.record.status != Status.CONVERGED)
+    told = run.state()
+    assert told["status"] == "OUT_OF_REACH" and told["kind"] == "out_of_reach"
+    off_mm = 1e3 * np.linalg.norm((run.target_pose() @ X_TC)[:3, 3] - run.camera_pose()[:3, 3])
+    told_mm = float(re.match(r"out of reach by ([0-9.]+) mm", told["text"]).group(1))
+    assert told_mm == pytest.approx(off_mm, abs=1.0) and off_mm > 5.0
+    images(run, 10)
+    assert run.state()["status"] == "OUT_OF_REACH"  # it does not begin again before the target is dragged
+    place(run, X_WT, [0.0, 0.0, 0.0])
+    assert images(run, SERVO_IMAGES, lambda run: run.record.status == Status.CONVERGED)
+
+
+def test_the_reach_is_refused_without_a_goal_and_where_nothing_limits_the_camera():
+    with pytest.raises(ParameterError, match="reach"):
+        LiveRun(load_scenario("experiment_1")).do(ask.Reach())
+    free = LiveRun(load_scenario("free_camera"))
+    free._view = np.eye(4), np.eye(4)
+    with pytest.raises(ParameterError, match="reach"):
+        free.do(ask.Reach())
+
+
+def test_a_scenario_that_says_how_the_arm_rests_is_left_alone():
+    given = load_scenario("experiment_1", {"servo.out_of_reach": {"rest_s": 7.0}})
+    assert LiveRun(given).scenario.servo["out_of_reach"] == {"rest_s": 7.0}
+    assert LiveRun(load_scenario("experiment_1")).scenario.servo["out_of_reach"] == {}
 
 
 def test_without_follow_it_stays(run):

@@ -105,7 +105,13 @@ def test_the_target_is_dragged_in_the_view_and_the_arm_follows(serve, tmp_path):
         browser.wait(READY + " && aras.world")
         browser.wait("aras.model.state.status === 'CONVERGED'")
         camera, target = browser.value("[aras.model.state.camera, aras.model.state.target]")
-        browser.drag(*on_screen(browser, 0, 0.05))
+        browser.wait("aras.world.reach")
+        assert browser.value("aras.world.plane.visible") is False
+        begin, end_at = on_screen(browser, 0, 0.05)
+        browser.drag(begin, end_at, release=False)
+        assert browser.value("aras.world.plane.visible") is True
+        browser.mouse("mouseReleased", end_at)
+        assert browser.value("aras.world.plane.visible") is False
         browser.wait("aras.model.state.status === 'SERVOING'")
         # On a busy machine the arm is home between two steps of the drag: only the last one counts.
         there = [f"Math.abs(aras.model.state.{what}[1] - {before[1] + 0.05}) < 5e-3"
