@@ -8,6 +8,7 @@ import logging
 import queue
 import threading
 import time
+from array import array
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any, Dict, List, Optional, Tuple
@@ -15,7 +16,7 @@ from typing import Any, Dict, List, Optional, Tuple
 import numpy as np
 
 from aras_visual_servo import ArasError, Status
-from .history import MOST_ROWS, thinned
+from .history import MOST_ROWS, packed, thinned
 from .page_run import PageRun
 
 #: Wall time between two samples, and between two images [s].
@@ -56,8 +57,8 @@ class Runner:
     Args: speed: simulated time per wall time, 0 as fast as possible.
         on_first_viewer: request that is done when the first page looks, or None.
     Attributes:
-        sample: the newest `Sample`, None before the first.  rows: (index, row) of images, the newest last; it may be
-        replaced by another list at any time, and grows at its end only.
+        sample: the newest `Sample`, None before the first.  rows: (index, `packed` row) of images, the newest last; it
+        may be replaced by another list at any time, and grows at its end only.
         watched: whether a page is ready for news.
         attended: whether a page is open.  about: of the run, made in its thread.
     """
@@ -72,7 +73,7 @@ class Runner:
         self._trouble = ""
         self._image, self._image_number, self._marks, self._goal = None, 0, None, None
         self._row_at_s, self._row_count, self._row_phase = -1.0, 0, ""
-        self.rows: List[Tuple[int, List[Optional[float]]]] = []
+        self.rows: List[Tuple[int, "array[float]"]] = []
         self.sample, self.watched, self.about = None, False, run.about()
         self.attended = False
         self._thread = threading.Thread(target=self._work, name="live run", daemon=True)
@@ -199,7 +200,7 @@ class Runner:
         # The first and the last image of a servo are moments that the time line marks.
         if self._paused or phase != self._row_phase or wall_s - self._row_at_s >= least_s:
             self._row_at_s, self._row_phase = wall_s, phase
-            self.rows.append((self._row_count, self._run.row(self._factor)))
+            self.rows.append((self._row_count, packed(self._run.row(self._factor))))
             self._row_count += 1
             if len(self.rows) > MOST_ROWS:
                 self.rows = thinned(self.rows, lambda entry: entry[0])  # a new list: pages may be reading the old one
