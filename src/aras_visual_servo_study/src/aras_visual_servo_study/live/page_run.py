@@ -11,6 +11,7 @@ from aras_visual_servo import (JOINT_HALF_WIDTH, TWIST_NAMES, Feasibility, Featu
                                Scenario, Servo, ServoRecord, Status, known_features, known_laws, scenario_schema,
                                spatial, styles, works_on)
 from .advice import Moment, Seen, advice
+from .editor import LawEditor
 from .following import Following
 from .hand import Hand
 from .offers import offer_for
@@ -38,6 +39,7 @@ class PageRun:
         scenario: as it stands now.  target: name of the target, or None.  watched: whether a page is ready for news.
         record: of the last image, or None.  X_WC: (4, 4) of the camera then.  image, features: the newest ones or None.
         goal: (image, marks, pose numbers) of the taught view, or None.
+        editor: of the law that pages write, or None.
         version: grows whenever `about` would say something else.  images: how many came so far.
     """
 
@@ -47,6 +49,7 @@ class PageRun:
     def __init__(self, scenario: Scenario) -> None:
         self.scenario, self.version, self.images, self.watched = scenario, 0, 0, False
         self._draws = 0
+        self.editor: Optional[LawEditor] = None
         # A target that the arm carries moves with every motion of the arm: nobody has to follow it.
         self.follow = scenario.robot.get("target_link") is None
 
@@ -87,6 +90,7 @@ class PageRun:
                     self.target),
             "statuses": [status.name for status in Status],
             "draws_starts": not self.asks_nodes, "features": features, "lessons": self.lessons(),
+            "editor": None if self.editor is None else {"text": self.editor.text},
             "scenario": self.scenario.name, "description": self.scenario.description,
             "rows": rows, "schema": scenario_schema()["properties"], "at_once": list(self.at_once),
             "choices": {"servo.law": known_laws(), "servo.features": known_features()},
@@ -203,6 +207,9 @@ class PageRun:
         raise ParameterError("lesson: found a run over ROS, allowed one in process (aras-servo live)")
 
     do_try_lesson = do_lesson
+
+    def do_write_law(self, _request: Any) -> Dict[str, Any]:
+        raise ParameterError("write_law: found a run without an editor, allowed one of `aras-servo live --edit`")
 
     def do_offer(self, request: Any) -> Dict[str, Any]:
         offer = offer_for(self.scenario, request.law)

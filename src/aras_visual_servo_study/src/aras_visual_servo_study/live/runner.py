@@ -4,6 +4,7 @@ Requests wait in a queue until the thread is between two images. What a page see
 no more often than pages can show it, and only while somebody watches: without a viewer a run costs what it costs alone.
 """
 
+import ctypes
 import logging
 import queue
 import threading
@@ -31,6 +32,15 @@ BEHIND_S = 0.1
 ANEW = ("reset", "lesson", "try_lesson")
 #: Longest that a run sleeps without looking for requests [s].
 NAP_S = 0.02
+#: Wall time after which code that a page has written is interrupted [s].
+HUNG_S = 5.0
+
+
+class HungCode(ArasError):
+    """Code that a page has written does not come back."""
+
+    def __init__(self) -> None:
+        super().__init__(f"the code did not come back within {HUNG_S:g} s")
 
 
 @dataclass(frozen=True)
@@ -71,6 +81,7 @@ class Runner:
         self._anchor = None  # (wall [s], simulated [ns]) from which the speed counts
         self._state_s = self._image_s = -1.0
         self._trouble = ""
+        self._since_s: Optional[float] = None  # wall time since which code of a page may run [s]
         self._image, self._image_number, self._marks, self._goal = None, 0, None, None
         self._row_at_s, self._row_count, self._row_phase = -1.0, 0, ""
         self.rows: List[Tuple[int, "array[float]"]] = []
@@ -90,6 +101,18 @@ class Runner:
     def urdf_xml(self) -> str:
         """Returns the robot description of the run as it stands: a lesson may have brought another arm."""
         return self._run.scenario.urdf_xml()
+
+    @property
+    def edits(self) -> bool:
+        """Whether pages may write code that this process runs."""
+        return self._run.editor is not None
+
+    def interrupt_hung(self) -> None:
+        """Raises `HungCode` in the thread of the run, where code that a page has written does not come back."""
+        since_s, ident = self._since_s, self._thread.ident
+        if self.edits and since_s is not None and ident is not None and time.perf_counter() - since_s > HUNG_S:
+            self._since_s = None
+            ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(ident), ctypes.py_object(HungCode))
 
     def submit(self, request: Any) -> Future:
         """Returns the future of the answer to a request: dict, or the ArasError that refused it."""
@@ -131,10 +154,14 @@ class Runner:
 
     def _do(self, request):
         ours = hasattr(self, "do_" + request.do) and not hasattr(self._run, "do_" + request.do)
-        result = getattr(self, "do_" + request.do)(request) if ours else self._run.do(request)
-        if self.about["version"] != self._run.version:
-            names = self.about["rows"]
-            self.about = self._run.about()
+        if request.do == "write_law":
+            self._since_s = time.perf_counter()
+        try:
+            result = getattr(self, "do_" + request.do)(request) if ours else self._run.do(request)
+        finally:
+            self._since_s = None
+        names = self.about["rows"]
+        if self._told_anew():
             if self.about["rows"] != names or request.do in ANEW or getattr(request, "reset", False):
                 self.rows = []
         elif request.do == "set":
@@ -143,6 +170,13 @@ class Runner:
             self._trouble = ""
         self._state_s = -1.0  # a page sees what came of it at once
         return result or {}
+
+    def _told_anew(self) -> bool:
+        """Makes `about` anew if the run has something else to say; returns whether it had."""
+        if self.about["version"] == self._run.version:
+            return False
+        self.about = self._run.about()
+        return True
 
     def do_pause(self, request: Any) -> None:
         """Lets simulated time stand still, or go on."""
@@ -176,10 +210,13 @@ class Runner:
             elif ahead_s < -BEHIND_S:
                 self._anchor = wall_s, sim_ns
         most_ns = round(1e9 * STATE_S * self._speed) if 0.0 < self._speed else 10**12
+        self._since_s = time.perf_counter()
         seen = self._run.advance(most_ns)
+        self._since_s = None
         if seen:
             self._steps = max(0, self._steps - 1)
             self._note_row()
+            self._told_anew()
         self._measure()
         self._show()
 

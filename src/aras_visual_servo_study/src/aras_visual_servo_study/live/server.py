@@ -69,8 +69,12 @@ class Server:
     def listen(self, host: str = "127.0.0.1", port: int = 8765) -> str:
         """Begin to serve, within a running event loop; port 0 takes a free one. Returns the page's address.
 
-        Raises: ParameterError: the port is taken, or the host is none of this machine's.
+        Raises: ParameterError: the port is taken, the host is none of this machine's, or others would reach a run that
+        executes what a page writes.
         """
+        if self.runner.edits and not is_loopback(host):
+            raise ParameterError(f"host: found {host}, with --edit allowed 127.0.0.1, localhost or ::1, because a page "
+                                 "may then run any code here")
         application = tornado.web.Application(
             [(r"/([^/]+)/socket", Socket, {"server": self}), (r"/([^/]+)/(.*)", Files, {"server": self}),
              (r".*", Nothing)], websocket_max_message_size=1 << 20, log_function=lambda _handler: None)
@@ -93,6 +97,7 @@ class Server:
             # Without a page that is ready there is nothing to look for, and the run has the processor to itself.
             await asyncio.sleep(TICK_S if self.runner.watched else IDLE_S)
             self.hub.tick()
+            self.runner.interrupt_hung()
 
     def close(self) -> None:
         """Stop serving."""
