@@ -9,7 +9,7 @@ from pathlib import Path
 from aras_visual_servo import ParameterError, cli
 from aras_visual_servo.processes import run_until_signal
 
-PORT = 8765
+PORT, FOXGLOVE_PORT = 8765, 8766
 
 
 def _options(parser: ArgumentParser) -> None:
@@ -23,6 +23,8 @@ def _options(parser: ArgumentParser) -> None:
                         help="wait for a button, instead of beginning with the first page")
     parser.add_argument("--lessons", type=Path, action="append", default=[], metavar="FOLDER",
                         help="folder with lessons of your own, one Python file each; may be given again")
+    parser.add_argument("--foxglove", type=int, nargs="?", const=FOXGLOVE_PORT, metavar="PORT",
+                        help=f"serve Foxglove too, on this port of this machine (default: {FOXGLOVE_PORT})")
     parser.add_argument("--edit", action="store_true",
                         help="an editor in the page for a law of your own; only for pages on this machine, because its "
                              "code runs in this process")
@@ -45,8 +47,11 @@ def _work(arguments: Namespace) -> int:
     async def work(came: "Future[None]") -> None:
         server = Server(runner, run.scenario.urdf_xml())
         address = server.listen(arguments.host, arguments.port)
+        foxglove = "" if arguments.foxglove is None else server.serve_foxglove(arguments.foxglove)
         runner.start()
         print(f"live page of {run.scenario.name}: {address}", flush=True)
+        if foxglove:
+            print(f"foxglove: {foxglove}", flush=True)
         if not is_loopback(arguments.host):
             print("others on the network who know this address can drive the run; the page is sent unencrypted",
                   file=sys.stderr)

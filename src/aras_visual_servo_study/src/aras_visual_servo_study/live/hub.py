@@ -44,6 +44,9 @@ class Hub:
         if self._goal is not None:
             viewer.send(_goal_message(self._goal))
 
+    def __contains__(self, viewer: Any) -> bool:
+        return viewer in self._viewers
+
     def remove(self, viewer: Any) -> None:
         """A page has gone."""
         if viewer in self._viewers:

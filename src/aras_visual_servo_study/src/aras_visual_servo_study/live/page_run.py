@@ -124,6 +124,7 @@ class PageRun:
         record = self.record
         return {"t": round(self.time_ns * 1e-9, 4), "q": [rounded(x) for x in self.joints()],
                 "camera": pose_numbers(self.camera_pose()), "target": pose_numbers(self.target_pose()),
+                "s": [] if self.record is None else [rounded(x) for x in self.record.s],
                 "phase": self.phase, "taught": self.taught, "frame": self.frame, "follow": self.follow,
                 **self.why(record.status if record else Status.IDLE, record.status_text if record else "")}
 
