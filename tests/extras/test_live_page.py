@@ -18,7 +18,7 @@ RUN = ("axe.run(document, {resultTypes: ['violations']}).then((found) => found.v
 
 @pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
 def test_axe_finds_nothing_at_any_width(tmp_path):
-    command = [sys.executable, str(PROGRAM), "live", "experiment_1", "--port", "0", "--speed", "4"]
+    command = [sys.executable, str(PROGRAM), "live", "experiment_1", "--port", "0", "--speed", "4", "--edit"]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
     try:
         with Browser(tmp_path) as browser:

@@ -107,6 +107,7 @@ from .ground.images import in_rgb as in_rgb
 from .ground.registry import load_room as load_room
 from .ground.types import FEATURE_NAMES as FEATURE_NAMES
 from .laws.base import works_on as works_on
+from .laws.written import WrittenLaw as WrittenLaw
 from .runs.judge import fit_decay as fit_decay
 from .runs.judge import goal_pose as goal_pose
 from .runs.judge import pose_error as pose_error

@@ -10,7 +10,6 @@
 #include <cmath>
 #include <kdl/frames.hpp>
 #include <kdl/tree.hpp>
-#include <kdl_parser/kdl_parser.hpp>
 #include <limits>
 
 #include "joint_wish.hpp"
@@ -21,7 +20,7 @@ namespace {
 /** Below this a manipulability is rounding: entries of about 10, six rows, and the square root of a determinant. */
 constexpr double kNoManipulability = 1e-9;
 
-/** Collects what urdfdom and kdl_parser would print, so that it becomes the cause in a ModelError. */
+/** Collects what urdfdom would print, so that it becomes the cause in a ModelError. */
 class LogCapture : public console_bridge::OutputHandler {
  public:
   LogCapture() { console_bridge::useOutputHandler(this); }
@@ -88,6 +87,39 @@ std::vector<urdf::JointConstSharedPtr> movingBetween(const urdf::ModelInterface&
   return moving;
 }
 
+KDL::Frame frameOf(const urdf::Pose& pose) {
+  double x, y, z, w;
+  pose.rotation.getQuaternion(x, y, z, w);
+  return {KDL::Rotation::Quaternion(x, y, z, w), KDL::Vector(pose.position.x, pose.position.y, pose.position.z)};
+}
+
+/** The segment from the frame of the parent link to that of the joint's child link, without inertia. */
+KDL::Segment segmentOf(const urdf::Joint& joint) {
+  const KDL::Frame X_PJ = frameOf(joint.parent_to_joint_origin_transform);
+  const KDL::Vector axis_P = X_PJ.M * KDL::Vector(joint.axis.x, joint.axis.y, joint.axis.z);
+  KDL::Joint moves(joint.name, KDL::Joint::None);
+  if (joint.type == urdf::Joint::REVOLUTE || joint.type == urdf::Joint::CONTINUOUS)
+    moves = KDL::Joint(joint.name, X_PJ.p, axis_P, KDL::Joint::RotAxis);
+  else if (joint.type == urdf::Joint::PRISMATIC)
+    moves = KDL::Joint(joint.name, X_PJ.p, axis_P, KDL::Joint::TransAxis);
+  return KDL::Segment(joint.child_link_name, moves, X_PJ);
+}
+
+/** kdl_parser makes the same tree, but brings roscpp and log4cxx into every process: 9 MB. */
+KDL::Tree treeOf(const urdf::ModelInterface& model) {
+  KDL::Tree tree(model.getRoot()->name);
+  std::vector<urdf::LinkConstSharedPtr> waiting{model.getRoot()};
+  while (!waiting.empty()) {
+    const urdf::LinkConstSharedPtr link = waiting.back();
+    waiting.pop_back();
+    for (const urdf::LinkSharedPtr& child : link->child_links) {
+      tree.addSegment(segmentOf(*child->parent_joint), link->name);
+      waiting.push_back(child);
+    }
+  }
+  return tree;
+}
+
 }  // namespace
 
 ChainKinematics::ChainKinematics(const std::string& urdf_xml, const std::string& base_link, const std::string& tip_link,
@@ -96,19 +128,13 @@ ChainKinematics::ChainKinematics(const std::string& urdf_xml, const std::string&
   requireLink(*model, base_link);
   requireLink(*model, tip_link);
 
-  KDL::Tree tree;
-  {
-    const LogCapture log;
-    if (!kdl_parser::treeFromUrdfModel(*model, tree))
-      throw ModelError("robot '" + model->getName() + "': " + log.cause("no kinematic tree"));
-  }
   const std::vector<urdf::LinkConstSharedPtr> above = wayUp(*model, tip_link);
   const auto is_base = [&](const urdf::LinkConstSharedPtr& link) { return link->name == base_link; };
   if (!upwards && std::none_of(above.begin(), above.end(), is_base))
     throw ModelError("link '" + tip_link + "' is not below link '" + base_link + "'");
   const std::vector<urdf::JointConstSharedPtr> moving = movingBetween(*model, base_link, tip_link);
   if (moving.empty()) throw ModelError("no moving joint between '" + base_link + "' and '" + tip_link + "'");
-  if (!tree.getChain(base_link, tip_link, chain_))
+  if (!treeOf(*model).getChain(base_link, tip_link, chain_))
     throw ModelError("no kinematic chain from '" + base_link + "' to '" + tip_link + "'");
 
   for (const auto& joint : moving) joint_names_.push_back(joint->name);

@@ -12,6 +12,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Iterable, List, Set, Union
 
+from ..ground.errors import ParameterError
+
 _CODE: Set[str] = set()  # real paths of the files, and of the folders of packages, that are plugins
 
 
@@ -46,6 +48,23 @@ def load_plugins(plugins: Iterable[str]) -> List[str]:
         except Exception as error:  # somebody else's code may raise anything; it is reported as a fault of that plugin
             faults.append(f"plugins: found {plugin}, allowed a module that can be imported: {described(error)}")
     return faults
+
+
+def run_text(text: str, name: str) -> ModuleType:
+    """Runs a text as the code of a plugin, so that `code_place` gives "NAME.py:LINE: " of an error in it.
+
+    Args: name: of the module.
+    Returns: the module, which nobody can import.
+    Raises: ParameterError: the text cannot be compiled, or raises an error when it runs; with the line.
+    """
+    module, file = ModuleType(f"__{name}__"), f"{name}.py"
+    _CODE.add(os.path.realpath(file))
+    sys.modules[module.__name__] = module  # dataclasses and typing look a class's module up there
+    try:
+        exec(compile(text, file, "exec"), module.__dict__)
+    except (Exception, SystemExit) as error:
+        raise ParameterError(described(error)) from error
+    return module
 
 
 def described(error: BaseException) -> str:

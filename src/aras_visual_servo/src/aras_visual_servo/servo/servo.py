@@ -174,7 +174,7 @@ class Servo:
             tick = self._lost.recover(tick, str(error))
         except NotFiniteError as error:
             tick = tick.rest(Status.FAULT, f"not finite: {error}")
-        except Exception as error:  # a law, feature or stage of somebody else: the arm must stand still
+        except (Exception, SystemExit) as error:  # a law, feature or stage of somebody else: the arm must stand still
             tick = tick.rest(Status.FAULT, f"{stage.title}: {described(error)}")
         return self._rest(tick) if tick.rests else self._answer(tick)
 

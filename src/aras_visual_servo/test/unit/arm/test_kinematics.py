@@ -1,6 +1,8 @@
 """Kinematics of an arm that carries the camera, and of one that carries the target."""
 
 import re
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -284,3 +286,11 @@ def test_joints_outside_their_limits_are_named():
     assert reaching.outside_limits(gantry(1.0), {**joints, "x": 0.0, "y": 0.0}) == ""
     text = reaching.outside_limits(gantry(1.0), joints)
     assert "x 1.1 " in text and "y -1.1 " in text and "z" not in text
+
+
+def test_no_ros_library_is_loaded():
+    program = ("import aras_visual_servo_camera, aras_visual_servo_sim, aras_visual_servo._kinematics; "
+               "print(open('/proc/self/maps').read())")
+    loaded = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout
+    assert "liborocos-kdl" in loaded
+    assert set(re.findall("lib(?:ros|log4cxx|kdl_parser)[a-z0-9_]*", loaded)) == set()

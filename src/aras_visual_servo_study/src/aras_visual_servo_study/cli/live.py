@@ -9,7 +9,7 @@ from pathlib import Path
 from aras_visual_servo import ParameterError, cli
 from aras_visual_servo.processes import run_until_signal
 
-PORT = 8765
+PORT, FOXGLOVE_PORT = 8765, 8766
 
 
 def _options(parser: ArgumentParser) -> None:
@@ -23,6 +23,11 @@ def _options(parser: ArgumentParser) -> None:
                         help="wait for a button, instead of beginning with the first page")
     parser.add_argument("--lessons", type=Path, action="append", default=[], metavar="FOLDER",
                         help="folder with lessons of your own, one Python file each; may be given again")
+    parser.add_argument("--foxglove", type=int, nargs="?", const=FOXGLOVE_PORT, metavar="PORT",
+                        help=f"serve Foxglove too, on this port of this machine (default: {FOXGLOVE_PORT})")
+    parser.add_argument("--edit", action="store_true",
+                        help="an editor in the page for a law of your own; only for pages on this machine, because its "
+                             "code runs in this process")
     parser.add_argument("--open", action="store_true", help="open the page in the browser")
 
 
@@ -36,14 +41,17 @@ def _work(arguments: Namespace) -> int:
         raise ParameterError(f"--speed: found {arguments.speed:g}, allowed 0 to 1000")
     for folder in arguments.lessons:
         load_lessons(folder)
-    run = LiveRun(cli.scenario_of(arguments))
+    run = LiveRun(cli.scenario_of(arguments), arguments.edit)
     runner = Runner(run, arguments.speed, None if arguments.idle else Start())
 
     async def work(came: "Future[None]") -> None:
         server = Server(runner, run.scenario.urdf_xml())
         address = server.listen(arguments.host, arguments.port)
+        foxglove = "" if arguments.foxglove is None else server.serve_foxglove(arguments.foxglove)
         runner.start()
         print(f"live page of {run.scenario.name}: {address}", flush=True)
+        if foxglove:
+            print(f"foxglove: {foxglove}", flush=True)
         if not is_loopback(arguments.host):
             print("others on the network who know this address can drive the run; the page is sent unencrypted",
                   file=sys.stderr)
@@ -64,4 +72,5 @@ VERBS = {"live": cli.Command(
     "Ctrl-C ends it.",
     [("experiment_1", "prints the address of the page"),
      ("mine.yaml --port 0 --open", "on any free port, in a browser"),
-     ("experiment_1 --law ibvs --set servo.hold_s=1", "with another law and value")], _options, _work)}
+     ("experiment_1 --law ibvs --set servo.hold_s=1", "with another law and value"),
+     ("experiment_1 --edit", "write a law in the page")], _options, _work)}

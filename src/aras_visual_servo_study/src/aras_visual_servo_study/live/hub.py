@@ -12,7 +12,7 @@ from typing import Any, Dict, Sequence
 import numpy as np
 
 from aras_visual_servo import eight_bit
-from .history import Pictures
+from .history import Pictures, unpacked
 
 WINDOW = 6
 QUALITY = 88  # of JPEG
@@ -43,6 +43,9 @@ class Hub:
         viewer.send(_text(self._about_message()))
         if self._goal is not None:
             viewer.send(_goal_message(self._goal))
+
+    def __contains__(self, viewer: Any) -> bool:
+        return viewer in self._viewers
 
     def remove(self, viewer: Any) -> None:
         """A page has gone."""
@@ -104,7 +107,7 @@ class Hub:
         """(bytes, next row): length of the head (uint32), the head in JSON, the image as JPEG."""
         rows = self._rows(first_row)
         head = {"type": "now", "number": sample.number, "state": sample.state, "viewers": len(self._viewers),
-                "rows": [row for _, row in rows]}
+                "rows": [unpacked(row) for _, row in rows]}
         image = b""
         if with_image:
             head["marks"] = sample.marks

@@ -117,6 +117,14 @@ class Offer:
     law: str = setting(not_empty=True, help="Its name; the answer has `features`, `values` and `reset` for `set`.")
 
 
+@REQUESTS.register("write_law", do="write_law")
+@dataclass(frozen=True)
+class WriteLaw:
+    """Use a law from the next servo on; only with `--edit`. The answer has its name as `law`."""
+
+    text: str = setting(not_empty=True, help="Python code that registers one law, as in docs/extending.md.")
+
+
 @REQUESTS.register("place_target", do="place_target")
 @dataclass(frozen=True)
 class PlaceTarget:

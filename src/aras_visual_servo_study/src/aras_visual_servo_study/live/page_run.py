@@ -12,6 +12,7 @@ from aras_visual_servo import (JOINT_HALF_WIDTH, TWIST_NAMES, Feasibility, Featu
                                RobotKinematics, Scenario, Servo, ServoRecord, Status, known_features, known_laws,
                                reach_map, scenario_schema, spatial, styles, works_on)
 from .advice import Moment, Seen, advice
+from .editor import LawEditor
 from .following import Following
 from .hand import Hand
 from .offers import offer_for
@@ -41,6 +42,7 @@ class PageRun:
         scenario: as it stands now.  target: name of the target, or None.  watched: whether a page is ready for news.
         record: of the last image, or None.  X_WC: (4, 4) of the camera then.  image, features: the newest ones or None.
         goal: (image, marks, pose numbers) of the taught view, or None.
+        editor: of the law that pages write, or None.
         version: grows whenever `about` would say something else.  images: how many came so far.
     """
 
@@ -50,6 +52,7 @@ class PageRun:
     def __init__(self, scenario: Scenario) -> None:
         self.scenario, self.version, self.images, self.watched = scenario, 0, 0, False
         self._draws = 0
+        self.editor: Optional[LawEditor] = None
         # A target that the arm carries moves with every motion of the arm: nobody has to follow it.
         self.follow = scenario.robot.get("target_link") is None
 
@@ -91,6 +94,7 @@ class PageRun:
                     self.target),
             "statuses": [status.name for status in Status],
             "draws_starts": not self.asks_nodes, "features": features, "lessons": self.lessons(),
+            "editor": None if self.editor is None else {"text": self.editor.text},
             "scenario": self.scenario.name, "description": self.scenario.description,
             "rows": rows, "schema": scenario_schema()["properties"], "at_once": list(self.at_once),
             "choices": {"servo.law": known_laws(), "servo.features": known_features()},
@@ -124,6 +128,7 @@ class PageRun:
         record = self.record
         return {"t": round(self.time_ns * 1e-9, 4), "q": [rounded(x) for x in self.joints()],
                 "camera": pose_numbers(self.camera_pose()), "target": pose_numbers(self.target_pose()),
+                "s": [] if self.record is None else [rounded(x) for x in self.record.s],
                 "phase": self.phase, "taught": self.taught, "frame": self.frame, "follow": self.follow,
                 **self.why(record.status if record else Status.IDLE, record.status_text if record else "")}
 
@@ -224,6 +229,9 @@ class PageRun:
         raise ParameterError("lesson: found a run over ROS, allowed one in process (aras-servo live)")
 
     do_try_lesson = do_lesson
+
+    def do_write_law(self, _request: Any) -> Dict[str, Any]:
+        raise ParameterError("write_law: found a run without an editor, allowed one of `aras-servo live --edit`")
 
     def do_offer(self, request: Any) -> Dict[str, Any]:
         offer = offer_for(self.scenario, request.law)

@@ -10,11 +10,12 @@ No threads and no wall time: live/runner.py lets it go on at the speed that some
 
 import copy
 import math
-from typing import Any, Dict, List, Optional
+from typing import Any, Dict, List, Optional, Tuple
 
 import numpy as np
 
-from aras_visual_servo import ExperimentSequence, ParameterError, RecordBuilder, Scenario, ServoLoop, spatial
+from aras_visual_servo import ExperimentSequence, ParameterError, RecordBuilder, Scenario, Servo, ServoLoop, spatial
+from .editor import LawEditor
 from .lesson import LESSONS, LessonInHand, lessons
 from .messages import Start
 from .page_run import QUIET, PageRun
@@ -29,10 +30,15 @@ def with_rest(scenario: Scenario) -> Scenario:
 
 
 class LiveRun(PageRun):
-    """The backend in this process. Its image is valid until the next one. Raises the errors of `ServoLoop`."""
+    """The backend in this process. Its image is valid until the next one. Raises the errors of `ServoLoop`.
 
-    def __init__(self, scenario: Scenario) -> None:
+    Args: edit: whether pages may write a law.
+    """
+
+    def __init__(self, scenario: Scenario, edit: bool = False) -> None:
         super().__init__(with_rest(scenario))
+        if edit:
+            self.editor = LawEditor(self._use_law, self._with_law)
         self._lesson: Optional[LessonInHand] = None
         self._build(None)
 
@@ -89,6 +95,8 @@ class LiveRun(PageRun):
             self.keep_goal(self.X_WC)
         if self._lesson is not None:
             self._lesson.take(self.record, self.X_WC)
+        if self.editor is not None:
+            self.editor.follow(self.servo.config.law, self.record, self.phase == "servo")
         if self.phase in QUIET:
             self.drive_by_hand(self.record.stamp_ns)
         if self.begin_again(self.record, loop.seen_target_pose(), self.follow and self.goal is not None):
@@ -108,6 +116,7 @@ class LiveRun(PageRun):
     def do_start(self, request: Any) -> None:
         if request.reference == "taught" and self.servo.reference is None:
             raise ParameterError("start: found the reference taught, but nothing was taught yet; teach this view first")
+        self._use_written_law()
         if request.reference == "experiment":
             self.loop.sequence = self._sequence(self.servo, self.scenario)
         self._begin(request.reference == "taught")
@@ -115,6 +124,7 @@ class LiveRun(PageRun):
     def do_again(self, _request: Any) -> None:
         if self.servo.reference is None:
             raise ParameterError("again: nothing was taught yet; run the experiment, or teach this view first")
+        self._use_written_law()
         self.loop.sequence = self._sequence(self.servo, self.scenario)
         self.hand.let_go()
         self.loop.start(again=True)
@@ -149,8 +159,10 @@ class LiveRun(PageRun):
         return [lesson.about() for lesson in lessons()]
 
     def state(self) -> Dict[str, Any]:
-        """Returns what moves, for JSON; with a lesson in hand, how it stands as `lesson`."""
+        """Returns what moves, for JSON; and how a lesson in hand and the editor stand, as `lesson` and `editor`."""
         state = super().state()
+        if self.editor is not None:
+            state["editor"] = self.editor.state(self.servo.config.law)
         return state if self._lesson is None else {**state, "lesson": self._lesson.state()}
 
     def do_lesson(self, request: Any) -> None:
@@ -178,6 +190,44 @@ class LiveRun(PageRun):
                                 self.servo.feature_names)
         self._lesson.begin(builder, change, answer)
         self.do_start(Start())
+
+    # --- a law that is written in the page ----------------------------------------------------------------------
+
+    def do_write_law(self, request: Any) -> Dict[str, Any]:
+        if self.editor is None:
+            return super().do_write_law(request)
+        answer = self.editor.write(request.text)
+        self.version += 1
+        return answer
+
+    def _use_written_law(self) -> None:
+        if self.editor is not None:
+            self.editor.begin(self.servo.config.law)
+
+    def _with_law(self, name: str) -> Tuple[Scenario, Servo]:
+        """Returns scenario and servo as they stand, with another law. ArasError: it cannot servo with them."""
+        values: Dict[str, Any] = {"servo.law": name}
+        try:
+            scenario = changed(self.scenario, values)
+        except ParameterError:  # an earlier text under this name may have had other settings
+            if name not in self.scenario.servo:
+                raise
+            scenario = changed(self.scenario, {**values, f"servo.{name}": None})
+        return scenario, self.servo.retuned(scenario.servo)
+
+    def _use_law(self, name: str) -> None:
+        self.scenario, self.servo = self._with_law(name)
+        self.loop.use(self.servo)
+        self.version += 1
+
+    def do_save(self, request: Any) -> Dict[str, Any]:
+        answer, law = super().do_save(request), self.servo.config.law
+        if self.editor is not None and self.editor.has(law):
+            answer["yaml"] = (f"# Its law was written in the page: save the text as {law}.py beside this file, and run "
+                              f"it with --plugins {law}.\n{answer['yaml']}")
+        return answer
+
+    # --- settings -----------------------------------------------------------------------------------------------
 
     def do_set(self, request: Any) -> Dict[str, Any]:
         scenario, loop, servo = changed(self.scenario, request.values), self.loop, None

@@ -4,10 +4,12 @@ Requests wait in a queue until the thread is between two images. What a page see
 no more often than pages can show it, and only while somebody watches: without a viewer a run costs what it costs alone.
 """
 
+import ctypes
 import logging
 import queue
 import threading
 import time
+from array import array
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any, Callable, Dict, List, Optional, Tuple
@@ -15,7 +17,7 @@ from typing import Any, Callable, Dict, List, Optional, Tuple
 import numpy as np
 
 from aras_visual_servo import ArasError, Status
-from .history import MOST_ROWS, thinned
+from .history import MOST_ROWS, packed, thinned
 from .page_run import PageRun
 
 #: Wall time between two samples, and between two images [s].
@@ -30,6 +32,15 @@ BEHIND_S = 0.1
 ANEW = ("reset", "lesson", "try_lesson")
 #: Longest that a run sleeps without looking for requests [s].
 NAP_S = 0.02
+#: Wall time after which code that a page has written is interrupted [s].
+HUNG_S = 5.0
+
+
+class HungCode(ArasError):
+    """Code that a page has written does not come back."""
+
+    def __init__(self) -> None:
+        super().__init__(f"the code did not come back within {HUNG_S:g} s")
 
 
 @dataclass(frozen=True)
@@ -56,8 +67,8 @@ class Runner:
     Args: speed: simulated time per wall time, 0 as fast as possible.
         on_first_viewer: request that is done when the first page looks, or None.
     Attributes:
-        sample: the newest `Sample`, None before the first.  rows: (index, row) of images, the newest last; it may be
-        replaced by another list at any time, and grows at its end only.
+        sample: the newest `Sample`, None before the first.  rows: (index, `packed` row) of images, the newest last; it
+        may be replaced by another list at any time, and grows at its end only.
         watched: whether a page is ready for news.
         attended: whether a page is open.  about: of the run, made in its thread.
     """
@@ -71,9 +82,10 @@ class Runner:
         self._anchor = None  # (wall [s], simulated [ns]) from which the speed counts
         self._state_s = self._image_s = -1.0
         self._trouble = ""
+        self._since_s: Optional[float] = None  # wall time since which code of a page may run [s]
         self._image, self._image_number, self._marks, self._goal = None, 0, None, None
         self._row_at_s, self._row_count, self._row_phase = -1.0, 0, ""
-        self.rows: List[Tuple[int, List[Optional[float]]]] = []
+        self.rows: List[Tuple[int, "array[float]"]] = []
         self.sample, self.watched, self.about = None, False, run.about()
         self.attended = False
         self._thread = threading.Thread(target=self._work, name="live run", daemon=True)
@@ -91,6 +103,18 @@ class Runner:
     def urdf_xml(self) -> str:
         """Returns the robot description of the run as it stands: a lesson may have brought another arm."""
         return self._run.scenario.urdf_xml()
+
+    @property
+    def edits(self) -> bool:
+        """Whether pages may write code that this process runs."""
+        return self._run.editor is not None
+
+    def interrupt_hung(self) -> None:
+        """Raises `HungCode` in the thread of the run, where code that a page has written does not come back."""
+        since_s, ident = self._since_s, self._thread.ident
+        if self.edits and since_s is not None and ident is not None and time.perf_counter() - since_s > HUNG_S:
+            self._since_s = None
+            ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(ident), ctypes.py_object(HungCode))
 
     def submit(self, request: Any) -> Future:
         """Returns the future of the answer to a request: dict, or the ArasError that refused it."""
@@ -135,10 +159,14 @@ class Runner:
 
     def _do(self, request):
         ours = hasattr(self, "do_" + request.do) and not hasattr(self._run, "do_" + request.do)
-        result = getattr(self, "do_" + request.do)(request) if ours else self._run.do(request)
-        if self.about["version"] != self._run.version:
-            names = self.about["rows"]
-            self.about = self._run.about()
+        if request.do == "write_law":
+            self._since_s = time.perf_counter()
+        try:
+            result = getattr(self, "do_" + request.do)(request) if ours else self._run.do(request)
+        finally:
+            self._since_s = None
+        names = self.about["rows"]
+        if self._told_anew():
             if self.about["rows"] != names or request.do in ANEW or getattr(request, "reset", False):
                 self.rows = []
         elif request.do == "set":
@@ -151,6 +179,13 @@ class Runner:
     def _do_whole(self, request):
         result = self._do(request)
         return result() if callable(result) else result
+
+    def _told_anew(self) -> bool:
+        """Makes `about` anew if the run has something else to say; returns whether it had."""
+        if self.about["version"] == self._run.version:
+            return False
+        self.about = self._run.about()
+        return True
 
     def do_pause(self, request: Any) -> None:
         """Lets simulated time stand still, or go on."""
@@ -184,10 +219,13 @@ class Runner:
             elif ahead_s < -BEHIND_S:
                 self._anchor = wall_s, sim_ns
         most_ns = round(1e9 * STATE_S * self._speed) if 0.0 < self._speed else 10**12
+        self._since_s = time.perf_counter()
         seen = self._run.advance(most_ns)
+        self._since_s = None
         if seen:
             self._steps = max(0, self._steps - 1)
             self._note_row()
+            self._told_anew()
         self._measure()
         self._show()
 
@@ -208,7 +246,7 @@ class Runner:
         # The first and the last image of a servo are moments that the time line marks.
         if self._paused or phase != self._row_phase or wall_s - self._row_at_s >= least_s:
             self._row_at_s, self._row_phase = wall_s, phase
-            self.rows.append((self._row_count, self._run.row(self._factor)))
+            self.rows.append((self._row_count, packed(self._run.row(self._factor))))
             self._row_count += 1
             if len(self.rows) > MOST_ROWS:
                 self.rows = thinned(self.rows, lambda entry: entry[0])  # a new list: pages may be reading the old one

@@ -22,6 +22,7 @@ import tornado.websocket
 
 from aras_visual_servo import ArasError, ParameterError
 from ..files import THREE_FILES, share_dir, three_file
+from .foxglove import HOST, Foxglove
 from .hub import Hub
 from .messages import parse
 from .runner import Runner
@@ -54,6 +55,7 @@ class Server:
         for name in THREE_FILES:
             three_file(name)  # a missing package is told before anybody opens a page
         self._http = self._hub_task = None
+        self._foxglove: Optional[Foxglove] = None
         self.hosts = set()
         self.changed_by = 0
 
@@ -69,8 +71,12 @@ class Server:
     def listen(self, host: str = "127.0.0.1", port: int = 8765) -> str:
         """Begin to serve, within a running event loop; port 0 takes a free one. Returns the page's address.
 
-        Raises: ParameterError: the port is taken, or the host is none of this machine's.
+        Raises: ParameterError: the port is taken, the host is none of this machine's, or others would reach a run that
+        executes what a page writes.
         """
+        if self.runner.edits and not is_loopback(host):
+            raise ParameterError(f"host: found {host}, with --edit allowed 127.0.0.1, localhost or ::1, because a page "
+                                 "may then run any code here")
         application = tornado.web.Application(
             [(r"/([^/]+)/socket", Socket, {"server": self}), (r"/([^/]+)/(.*)", Files, {"server": self}),
              (r".*", Nothing)], websocket_max_message_size=1 << 20, log_function=lambda _handler: None)
@@ -88,17 +94,27 @@ class Server:
         self._hub_task = asyncio.ensure_future(self._tick())
         return self.address
 
+    def serve_foxglove(self, port: int) -> str:
+        """Serves Foxglove too. Returns its address. Raises: those of `Foxglove`."""
+        self._foxglove = Foxglove(self.hub, self.runner.urdf_xml, port)
+        return f"ws://{HOST}:{self._foxglove.port}"
+
     async def _tick(self):
         while True:
             # Without a page that is ready there is nothing to look for, and the run has the processor to itself.
             await asyncio.sleep(TICK_S if self.runner.watched else IDLE_S)
             self.hub.tick()
+            if self._foxglove is not None:
+                self._foxglove.tick()
+            self.runner.interrupt_hung()
 
     def close(self) -> None:
         """Stop serving."""
         if self._http is not None:
             self._http.stop()
             self._hub_task.cancel()
+        if self._foxglove is not None:
+            self._foxglove.close()
 
 
 class Guarded:

@@ -198,9 +198,23 @@ def test_words_units_and_laws_that_need_other_features(serve, tmp_path):
         browser.value(f"(() => {{ const one = document.querySelector('[data-path=\"{path}\"] {tag}'); "
                       f"one.value = '{value}'; one.dispatchEvent(new Event('change')); return 1; }})()")
 
+    def write(before, after):
+        browser.value("(() => { const one = document.querySelector('#law-text'); one.value = one.value.replace("
+                      f"'{before}', '{after}'); one.dispatchEvent(new Event('input')); return 1; }})()")
+        browser.click("#law-apply")
+
     with Browser(tmp_path) as browser:
-        browser.open(serve("--idle"))
+        browser.open(serve("--idle", "--edit"))
         browser.wait(READY)
+        # A law that is written here: its fault leads to its line, and the law of a good text is used.
+        write("look.view", "look.view(")
+        browser.click(f"[data-line='{browser.wait('document.querySelector(`[data-line]`)?.dataset.line')}']")
+        assert browser.value("(() => { const one = document.querySelector('#law-text'); return one === "
+                             "document.activeElement && one.getAttribute('aria-invalid') === 'true' && "
+                             "one.value.slice(one.selectionStart, one.selectionEnd); })()").endswith("look.view()")
+        write("look.view(", "look.view")
+        browser.wait("aras.model.values.servo.law === 'mine' && !document.querySelector('[data-line]')")
+        browser.value("aras.ask({do: 'set', values: {'servo.law': 'decoupled'}}).then(() => 1)")
         # Millimetres and degrees beside the curves' own; the run is asked in metres.
         shown = "Number(document.querySelector('[data-path=\"servo.thresholds.xn\"] input[type=number]').value)"
         assert browser.value(shown) == pytest.approx(0.05)

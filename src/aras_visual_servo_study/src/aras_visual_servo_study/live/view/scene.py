@@ -30,7 +30,8 @@ def drawn(scenario: Scenario, kinematics: RobotKinematics, camera_info: Dict[str
         "floating": not kinematics.spare_motion,
         "joints": [{"name": name, "lower": _finite(low), "upper": _finite(high)}
                    for name, low, high in zip(kinematics.joint_names, kinematics.lower, kinematics.upper)],
-        "camera": {"width": camera_info["width"], "height": camera_info["height"], "K": list(camera_info["K"])},
+        "camera": {"width": camera_info["width"], "height": camera_info["height"], "K": list(camera_info["K"]),
+                   "D": list(camera_info.get("D") or ()), "distortion_model": camera_info["distortion_model"]},
         "scene": scene, "target": target, "notes": scene["notes"],
         "observer": {"eye": [float(x) for x in eye], "look_at": [float(x) for x in look_at]}}
 
