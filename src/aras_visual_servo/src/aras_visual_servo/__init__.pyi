@@ -76,6 +76,8 @@ from .arm.real import SetPoint as SetPoint
 from .arm.real import make_form as make_form
 from .arm.real import RealSettings as RealSettings
 from .arm.redundancy import TwistInverse as TwistInverse
+from .arm.urdf_check import MOST_TURN_RAD as MOST_TURN_RAD
+from .arm.urdf_check import root_link as root_link
 from .config.files import load_yaml as load_yaml
 from .config.files import package_path as package_path
 from .config.files import package_paths as package_paths

@@ -1,9 +1,9 @@
 """Settings of the arm's motion: sections `inverse`, `null_space` and `limits` of the section `servo`; and where a
-calibration found the camera on the arm: section `robot.hand_eye`."""
+calibration found the camera on the arm, and what this robot differs in: sections `hand_eye` and `dynamics` of `robot`."""
 
 from dataclasses import dataclass
 from math import inf
-from typing import Dict, Iterator, Tuple
+from typing import Dict, Iterator, Optional, Tuple
 
 from ..config.settings import setting
 from .damping import METHODS
@@ -77,3 +77,36 @@ class HandEyeSettings:
     position_m: Tuple[float, ...] = setting(size=3, unit="m", help="The optical centre in the frame of that link.")
     rpy_rad: Tuple[float, ...] = setting(
         size=3, unit="rad", help="Roll, pitch and yaw of the optical frame in the frame of that link, as in a URDF.")
+
+
+@dataclass(frozen=True)
+class LoopSettings:
+    """Entry of `robot.dynamics.loops`: PID gains of a joint, with the meaning that they have in control_toolbox."""
+
+    p: float = setting(above=0, help="Proportional gain.")
+    i: float = setting(0.0, at_least=0, help="Integral gain.")
+    d: float = setting(0.0, at_least=0, help="Derivative gain.")
+    i_clamp: float = setting(0.0, at_least=0, help="Bound of the integral part; 0 switches it off.")
+
+
+@dataclass(frozen=True)
+class PayloadSettings:
+    """Section `robot.dynamics.payload`: a point mass on a link, beyond the inertia that the URDF has."""
+
+    link: str = setting(not_empty=True, help="The link that carries it.")
+    mass_kg: float = setting(unit="kg", above=0, help="Its mass.")
+    position_m: Tuple[float, ...] = setting(size=3, unit="m", help="Where it is in the frame of that link.")
+
+
+@dataclass(frozen=True)
+class DynamicsSettings:
+    """Section `robot.dynamics`: in what this robot differs from its URDF and its controllers' file."""
+
+    damping: Dict[str, float] = setting(
+        {}, unit="N s/m, N m s/rad", at_least=0, by="joint", help="Viscous friction by joint, in place of the URDF's.")
+    friction: Dict[str, float] = setting(
+        {}, unit="N, N m", at_least=0, by="joint", help="Coulomb friction by joint, in place of the URDF's.")
+    loops: Dict[str, LoopSettings] = setting(
+        {}, by="joint", help="Gains `{p:, i:, d:, i_clamp:}` by joint. A PID that acts by effort takes the place of the "
+                             "joint's controller, which commands the same, position or velocity.")
+    payload: Optional[PayloadSettings] = setting(None, help="What the arm carries.")

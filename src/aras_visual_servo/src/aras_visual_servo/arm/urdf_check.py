@@ -13,7 +13,7 @@ from ..ground.registry import one_of
 from .home import SINGULAR, find_home, least_singular_value
 from .kinematics import Kinematics
 
-#: A position limit beyond this is a limit in degrees: no joint turns ten times around. [rad]
+#: A position or limit beyond this is in degrees: no joint of an arm turns ten times around. [rad]
 MOST_TURN_RAD = 20 * np.pi
 #: Principal moments of a body fulfil a + b >= c; published figures are rounded to this part.
 TRIANGLE = 1e-3

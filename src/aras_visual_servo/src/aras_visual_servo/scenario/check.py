@@ -4,8 +4,10 @@ import pathlib
 from collections.abc import Iterator, Mapping
 from typing import Any, Callable, List, Optional, Tuple
 
+from ..arm.dynamics import loop_faults, with_dynamics
 from ..arm.robot import kinematics_of
-from ..config.files import resolve_uri
+from ..arm.settings import DynamicsSettings
+from ..config.files import load_yaml, resolve_uri
 from ..config.plugins import load_plugins
 from ..config.reader import Names, build, keyed
 from ..config.validate import REMOVED, Fault, Path, shown, validate
@@ -31,8 +33,10 @@ def check(document: Any, base: Optional[pathlib.Path] = None) -> List[Fault]:
         faults += _file_faults(value, base)
         joints = _joint_names(value, base)
         ServoSettings.checked(servo, faults, joints)
-        for name, section in SECTIONS.items():
-            build(section, document.get(name, {}), (name,), faults, Names(joints=joints))
+        read = {name: build(section, document.get(name, {}), (name,), faults, Names(joints=joints))
+                for name, section in SECTIONS.items()}
+        if read["robot"] is not None and read["robot"].dynamics is not None:
+            faults += _dynamics_faults(read["robot"].dynamics, value, base)
         faults += [*_source_faults(value), *_eye_to_hand_faults(value), *_latency_faults(value, schema)]
     return list(dict.fromkeys(faults))
 
@@ -77,6 +81,20 @@ def _joint_names(value, base) -> Tuple[str, ...]:
         return tuple(kinematics_of(urdf, robot, calibrated=False).joint_names)
     except (ArasError, OSError, ValueError, TypeError):
         return ()
+
+
+def _dynamics_faults(dynamics: DynamicsSettings, value, base) -> Iterator[Fault]:
+    """What robot.dynamics names is in the URDF and in the controllers' file; other faults of these are reported when
+    the robot is made."""
+    texts: List[str] = []
+    try:
+        texts += loop_faults(load_yaml(resolve_uri(value("robot.controllers"), base)), dynamics)
+        with_dynamics(resolve_uri(value("robot.urdf"), base).read_text(encoding="utf-8"), dynamics)
+    except ParameterError as error:
+        texts += [fault for fault in error.faults if fault.startswith(("payload", "damping", "friction", "loops"))]
+    except (ArasError, OSError, ValueError, TypeError):
+        pass
+    yield from keyed(texts, ("robot", "dynamics"))
 
 
 def _source_faults(value) -> Iterator[Fault]:

@@ -9,12 +9,15 @@ from typing import Any, Dict, Optional, Tuple, Union
 import numpy as np
 import yaml
 
+from ..arm.dynamics import with_dynamics, with_loops
 from ..arm.kinematics import RobotKinematics
 from ..arm.robot import kinematics_of
+from ..arm.settings import DynamicsSettings
 from ..ground.errors import ParameterError
 from .check import check
 from .extends import anchored, cleared, load_resolved, located, with_places
 from ..config.files import find_scenario, load_yaml, resolve_uri
+from ..config.reader import read
 from ..config.validate import Fault
 from ..runs.settings import place_of
 
@@ -61,8 +64,9 @@ class Scenario:
         return resolve_uri(self.robot["controllers"], self._base, "robot.controllers")
 
     def urdf_xml(self) -> str:
-        """Returns the robot's URDF as text."""
-        return self.urdf_path.read_text(encoding="utf-8")
+        """Returns the robot's URDF as text, with `robot.dynamics` where the scenario has it."""
+        text = self.urdf_path.read_text(encoding="utf-8")
+        return text if self._dynamics is None else with_dynamics(text, self._dynamics)
 
     def kinematics(self, calibrated: bool = True) -> RobotKinematics:
         """Returns the robot's kinematics; `calibrated`: with the camera where `robot.hand_eye` has it, if it does."""
@@ -73,8 +77,15 @@ class Scenario:
         return camera_info
 
     def controllers(self) -> Dict[str, Any]:
-        """Reads the joint controllers, ros_control layout: controller name -> {type, joint, pid, ...}."""
-        return load_yaml(self.controllers_path)
+        """Reads the joint controllers, ros_control layout: controller name -> {type, joint, pid, ...}, with the loops
+        of `robot.dynamics`."""
+        controllers = load_yaml(self.controllers_path)
+        return controllers if self._dynamics is None else with_loops(controllers, self._dynamics)
+
+    @property
+    def _dynamics(self):
+        section = self.robot.get("dynamics")
+        return None if section is None else read(DynamicsSettings, section, "robot.dynamics")
 
     def goal_posture(self, kinematics: RobotKinematics) -> np.ndarray:
         """Returns the joint positions at the goal, (n,), in the order of `kinematics.joint_names`.

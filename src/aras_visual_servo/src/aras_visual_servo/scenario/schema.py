@@ -4,7 +4,7 @@ import functools
 from dataclasses import dataclass
 from typing import Any, Dict, Optional
 
-from ..arm.settings import HandEyeSettings
+from ..arm.settings import DynamicsSettings, HandEyeSettings
 from ..config.files import package_path
 from ..config.schema import schema_of, yaml_section
 from ..config.settings import setting
@@ -39,6 +39,10 @@ class RobotSettings:
         None,
         help="Where a calibration found the camera on the arm, or beside it; the controller then goes by this and "
              "not by tip_link.")
+    dynamics: Optional[DynamicsSettings] = setting(
+        None,
+        help="In what this robot differs from its URDF and its controllers' file: friction, loops, payload. "
+             "`aras-servo identify` writes it.")
 
 
 #: Sections that settings classes of this package describe; `servo` has those of laws and features too.

@@ -6,7 +6,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from aras_visual_servo import ModelError
+from aras_visual_servo import ModelError, root_link
 from aras_visual_servo.spatial import rotation_rpy
 
 MOVING = ("revolute", "continuous", "prismatic")
@@ -41,14 +41,14 @@ class TreeDynamics:
     Attributes:
         joint_names: in the order of every joint vector, sorted.  inertias: link -> `Inertia` of the URDF.
         damping, friction: (m,) of the URDF, in the order of joint_names.
-    Raises: ModelError: no XML, no or several roots, a joint that is neither fixed, revolute, continuous nor prismatic.
+    Raises:
+        ParameterError: no XML, no or several root links.
+        ModelError: a joint that is neither fixed, revolute, continuous nor prismatic.
     """
 
     def __init__(self, urdf_xml: str) -> None:
-        try:
-            robot = ElementTree.fromstring(urdf_xml)
-        except ElementTree.ParseError as error:
-            raise ModelError(f"the URDF is no XML: {error}") from error
+        root = root_link(urdf_xml)
+        robot = ElementTree.fromstring(urdf_xml)
         joints = [_joint(element) for element in robot.findall("joint")]
         wrong = [f"{joint.name} ({joint.kind})" for joint in joints if joint.kind not in (*MOVING, "fixed")]
         mimics = [element.get("name", "") for element in robot.findall("joint") if element.find("mimic") is not None]
@@ -56,13 +56,9 @@ class TreeDynamics:
             raise ModelError(f"joints: found {', '.join(wrong + [m + ' (mimic)' for m in mimics])}, allowed fixed, "
                              f"{', '.join(MOVING)} joints without mimic")
         self.inertias = {link.get("name", ""): _inertia(link) for link in robot.findall("link")}
-        children = {joint.child for joint in joints}
-        roots = [name for name in self.inertias if name not in children]
-        if len(roots) != 1:
-            raise ModelError(f"root link: found {', '.join(roots) or 'none'}, allowed one link without a parent joint")
-        self._root, self._order = roots[0], _from(roots[0], joints)
+        self._root, self._order = root, _from(root, joints)
         self.joint_names = tuple(sorted(joint.name for joint in joints if joint.kind in MOVING))
-        self._above: Dict[str, List[str]] = {roots[0]: []}  # link -> moving joints that carry it
+        self._above: Dict[str, List[str]] = {root: []}  # link -> moving joints that carry it
         for joint in self._order:
             carrying = [joint.name] if joint.kind in MOVING else []
             self._above[joint.child] = self._above[joint.parent] + carrying

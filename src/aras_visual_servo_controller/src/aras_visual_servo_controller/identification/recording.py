@@ -5,14 +5,12 @@ from typing import Iterator, Optional, Tuple
 
 import numpy as np
 
-from aras_visual_servo import ParameterError
+from aras_visual_servo import MOST_TURN_RAD, ParameterError
 
 #: Joint states farther apart than this belong to two recordings, or the clock jumped. [s]
 LONGEST_GAP_S = 0.5
 #: Shortest recording that can be fitted. [samples]
 FEWEST_SAMPLES = 100
-#: No joint of an arm turns ten times around: such positions are in degrees. [rad]
-MOST_TURN_RAD = 20 * np.pi
 KINDS = ("position", "velocity")
 
 

@@ -16,6 +16,8 @@ from pathlib import Path
 from urllib.parse import urlparse
 from typing import Optional, Sequence
 
+import yaml
+
 from aras_visual_servo import ArasError, Scenario, study
 from aras_visual_servo.processes import MARK, check_signals, marked, signals_held, temporary_folder
 from . import guard as guards
@@ -56,10 +58,15 @@ def run_over_ros(scenario: Scenario, results_dir: str, arguments: Sequence[str] 
         environment.setdefault("SETUPTOOLS_USE_DISTUTILS", "stdlib")
         outcome, resolved = Path(folder) / "exit_code", Path(folder) / f"{scenario.name}.yaml"
         resolved.write_text(scenario.as_yaml(), encoding="utf-8")
+        model, controllers = scenario.urdf_path, scenario.controllers_path
+        if scenario.robot.get("dynamics"):
+            model, controllers = Path(folder) / "robot.urdf", Path(folder) / "controllers.yaml"
+            model.write_text(scenario.urdf_xml(), encoding="utf-8")
+            controllers.write_text(yaml.safe_dump(scenario.controllers(), sort_keys=False), encoding="utf-8")
         # Without the check roslaunch would add up the sizes of all logs that were ever written.
         command = ["roslaunch", "--skip-log-check", *LAUNCH_FILE, f"scenario:={scenario.path or scenario.name}",
-                   f"scenario_file:={resolved}", f"model:={scenario.urdf_path}",
-                   f"controllers:={scenario.controllers_path}", f"results_dir:={os.path.abspath(results_dir)}",
+                   f"scenario_file:={resolved}", f"model:={model}",
+                   f"controllers:={controllers}", f"results_dir:={os.path.abspath(results_dir)}",
                    f"exit_code_file:={outcome}", "guard:=false", *arguments]  # ours is enough
         log = Path(folder) / "roslaunch.log"
         try:
