@@ -25,6 +25,9 @@ def test_axe_finds_nothing_at_any_width(tmp_path):
             browser.open(process.stdout.readline().split()[-1])
             browser.wait("document.body.classList.contains('ready') && aras.shared.run?.ended")
             browser.value("document.querySelectorAll('#controls details').forEach((one) => { one.open = true; }); 1")
+            browser.value("document.querySelector('#law-text').value = 'x = ('; 1")
+            browser.click("#law-apply")  # with a fault and its line
+            browser.wait("document.querySelector('[data-line]')")
             browser.value(AXE.read_text() + "; 1")
             for width in (1440, 1280, 1024, 390):
                 for dark in (False, True):
