@@ -1,8 +1,9 @@
-# Debian 12 with this workspace, built:
+# Debian 12 with this workspace, built; `--build-arg RELEASE=13` is Debian 13:
 #   docker build -t aras-visual-servo .
 #   docker run --rm -v "$PWD/results:/workspace/results" aras-visual-servo run experiment_1
 # The stage `packages` has everything that building and testing needs, and no workspace: the development container.
-FROM debian:12 AS packages
+ARG RELEASE=12
+FROM debian:${RELEASE} AS packages
 RUN apt-get update && apt-get install -y --no-install-recommends ca-certificates git sudo
 WORKDIR /packages
 COPY script/packages.txt script/environment.sh script/bootstrap script/

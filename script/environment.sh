@@ -26,3 +26,20 @@ source_workspace() {
 free_port() {
   /usr/bin/python3 -c 'import socket; s = socket.socket(); s.bind(("127.0.0.1", 0)); print(s.getsockname()[1])'
 }
+
+# Releases of Debian that script/packages.txt knows.
+releases=(12 13)
+
+# packages_of DISTRIBUTION RELEASE SECTION ...: prints the packages that these sections of script/packages.txt name for a
+# release, given by ID and VERSION_ID of os-release. Fails, and names what is allowed, for any other.
+packages_of() {
+  local distribution=$1 release=$2
+  shift 2
+  if [[ $distribution != debian || " ${releases[*]} " != *" $release "* ]]; then
+    echo "found '$distribution ${release:-without a number}', allowed: Debian ${releases[*]} (ID and VERSION_ID in os-release)" >&2
+    return 1
+  fi
+  awk -v sections=" $* " -v release="$release" 'BEGIN { section = "all" } { sub(/#.*/, "") }
+    /^\[.*\]/ { section = substr($1, 2, length($1) - 2); next }
+    NF && index(sections, " " section " ") && (NF == 1 || $2 == release) { print $1 }' "$workspace/script/packages.txt"
+}

@@ -20,7 +20,7 @@ def read(path):
 
 def readme_commands():
     """The two commands that README begins with."""
-    block = re.search(r"On a stock Debian 12, from the clone:\n```\n(.*?)```", read("README.md"), re.S).group(1)
+    block = re.search(r"On a stock Debian 12 or 13, from the clone:\n```\n(.*?)```", read("README.md"), re.S).group(1)
     return [line.split("#")[0].strip() for line in block.splitlines()]
 
 
@@ -29,10 +29,17 @@ def blocks():
     return [yaml.safe_load(text) for text in re.findall(r"```yaml\n(.*?)```", read("docs/ci.md"), re.S)]
 
 
-def test_both_pipelines_run_readmes_commands_in_debian_12():
-    github = yaml.safe_load(read(".github/workflows/ci.yml"))["jobs"]["debian12"]
-    gitlab = yaml.safe_load(read(".gitlab-ci.yml"))["debian12"]
-    assert github["container"] == gitlab["image"] == "debian:12"
+def allowed_releases():
+    """The releases of Debian that script/bootstrap installs packages for."""
+    return re.search(r"^releases=\((.*)\)$", read("script/environment.sh"), re.M).group(1).split()
+
+
+def test_both_pipelines_run_readmes_commands_in_each_release_of_debian():
+    github = yaml.safe_load(read(".github/workflows/ci.yml"))["jobs"]["debian"]
+    gitlab = yaml.safe_load(read(".gitlab-ci.yml"))["debian"]
+    assert github["container"] == "debian:${{ matrix.release }}" and gitlab["image"] == "debian:$RELEASE"
+    assert [str(number) for number in github["strategy"]["matrix"]["release"]] == allowed_releases()
+    assert [entry["RELEASE"] for entry in gitlab["parallel"]["matrix"]] == [allowed_releases()]
     scripts = [step["run"] for step in github["steps"] if step.get("run", "").startswith("script/")]
     assert scripts == gitlab["script"] == readme_commands() == ["script/demo", "script/test"]
 
@@ -47,7 +54,8 @@ def test_both_pipelines_fuzz_every_reader_for_a_minute():
 
 def test_the_image_installs_the_same_list(tmp_path):
     lines = read("Dockerfile").splitlines()
-    assert lines[[line.startswith("FROM") for line in lines].index(True)] == "FROM debian:12 AS packages"
+    assert lines[[line.startswith("FROM") for line in lines].index(True)] == "FROM debian:${RELEASE} AS packages"
+    assert lines[lines.index("FROM debian:${RELEASE} AS packages") - 1].partition("RELEASE=")[2] in allowed_releases()
     *files, target = next(line for line in lines if line.startswith("COPY script")).split()[1:]
     assert target == "script/"
     (tmp_path / "script").mkdir()

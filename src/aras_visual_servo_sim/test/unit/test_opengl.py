@@ -43,7 +43,7 @@ before = opened()
 sim.render("shown")
 print(json.dumps([before, opened()]))
 """)
-    assert before == [] and "libOSMesa" in after
+    assert before == [] and {"libOSMesa", "libEGL"} & set(after)
 
 
 def test_what_drew_and_its_version_is_known_once_it_drew():
@@ -67,15 +67,27 @@ def test_images_are_the_same_in_every_process_whatever_the_number_of_threads():
     assert run(SAME % "osmesa", LP_NUM_THREADS="0") == run(SAME % "osmesa", LP_NUM_THREADS="2")
 
 
+THROUGH_EGL = ", through EGL"
+
+
 def test_images_are_the_same_through_egl():
     try:
-        egl = run(SAME % "egl")
+        image, run_hash, drawn_by = run(SAME % "egl")
     except AssertionError as error:
         pytest.skip(f"no EGL without a display: {error}")
-    osmesa = run(SAME % "osmesa")
-    if egl[2] != osmesa[2]:
-        pytest.skip(f"EGL draws with {egl[2]}, OSMesa with {osmesa[2]}")
-    assert egl == osmesa
+    software = run(SAME % "osmesa")
+    if drawn_by.replace(THROUGH_EGL, "") != software[2].replace(THROUGH_EGL, ""):
+        pytest.skip(f"EGL draws with {drawn_by}, OSMesa with {software[2]}")
+    assert [image, run_hash] == software[:2]
+
+
+def test_without_osmesa_cameras_are_drawn_through_egl_and_say_so():
+    image, run_hash, drawn_by = run(SAME % "osmesa", ARAS_VISUAL_SERVO_OSMESA="libNoSuchThing.so")
+    assert "llvmpipe" in drawn_by and drawn_by.endswith(THROUGH_EGL)
+    expected = run(SAME % "osmesa")
+    if expected[2].endswith(THROUGH_EGL):
+        pytest.skip("there is no OSMesa to compare with")
+    assert [image, run_hash, drawn_by] == [*expected[:2], expected[2] + THROUGH_EGL]
 
 
 def test_compiled_shaders_are_kept_in_a_folder_of_ours_and_nowhere_else(tmp_path):

@@ -5,7 +5,8 @@ import xml.parsers.expat
 
 from aras_visual_servo_sim import ModelError
 
-from ..sdf.mend import text_of, without_comments
+from ..sdf.loose_xml import without_comments
+from ..sdf.mend import text_of
 
 
 class Lined:

@@ -12,8 +12,12 @@ import xml.parsers.expat
 
 from aras_visual_servo_sim import ModelError
 
-from .. import _sdf  # type: ignore[attr-defined]  # is compiled
 from ..faults import LEFT_OUT, REFUSED, told
+try:
+    from .. import _sdf  # type: ignore[attr-defined]  # is compiled where there is libsdformat
+except ImportError:
+    from . import expander as _sdf
+from .loose_xml import parsed, readable
 
 #: A time of a saved <state> without its nanoseconds, which Gazebo's SDF reads and libsdformat 12 does not.
 SECONDS = re.compile(r"(<(sim_time|real_time|wall_time)>\s*\d+)(\s*</\2>)")
@@ -29,10 +33,6 @@ VERSION = re.compile(r"^1\.\d+$")
 NEWEST_READ_BY_ALL = "1.6"
 PLACE = re.compile(r"Error reading element <(?P<tag>[^>]*)> \([^()]*:(?P<line>\d+)\)")
 FILE = re.compile(r"Unable to read file\[(?P<file>[^\]]*)\]")
-PREFIX = re.compile(r"(</?|\s)(?!xml)([\w.-]+):(?=[\w.-]+[\s=/>])")
-DECLARATION = re.compile(r"<\?xml\s.*?\?>", re.DOTALL)
-COMMENT = re.compile(r"(<!\[CDATA\[.*?\]\]>)|<!--.*?-->", re.DOTALL)
-AMPERSAND = re.compile(r"(<!\[CDATA\[.*?\]\]>)|&(?!#\d+;|#x[\da-fA-F]+;|(?:amp|lt|gt|quot|apos);)", re.DOTALL)
 MOST_FAULTS = 200  #: of one document
 Find = typing.Callable[[str], str]
 
@@ -207,47 +207,6 @@ class Reader:
             if element.tag in ENDS and (element.text or "").strip() in scoped:
                 element.text = (element.text or "").strip().replace(SCOPE, STAND_IN)
         return True
-
-
-def parsed(text: str) -> ElementTree.Element:
-    """Returns the root of a document, as far as readable() can mend it.
-
-    Raises: ElementTree.ParseError, ValueError: no XML.
-    """
-    return ElementTree.fromstring(readable(text))
-
-
-def readable(text: str) -> str:
-    """Returns a document that expat reads, with the same lines. As Gazebo's reader does, it takes `--` in comments, a
-    plain `&`, prefixes of names that nothing declares, which become a part of the names, a declaration that is not the
-    first thing in it, and zero bytes at its end.
-
-    Raises: ElementTree.ParseError, ValueError: no XML.
-    """
-    text = text.rstrip("\0")
-    for repair in REPAIRS:
-        try:
-            ElementTree.fromstring(text)
-        except ElementTree.ParseError:
-            text = repair(text)
-        else:
-            return text
-    ElementTree.fromstring(text)
-    return text
-
-
-def without_comments(text: str) -> str:
-    """Returns a document without comments, and with `&amp;` for a `&` that begins no entity."""
-    text = COMMENT.sub(lambda found: found[1] or "\n" * found[0].count("\n"), text)
-    return AMPERSAND.sub(lambda found: found[1] or "&amp;", text)
-
-
-def without_prefixes(text: str) -> str:
-    """Returns a document without declaration, and with `a_b` for each name `a:b`."""
-    return PREFIX.sub(r"\1\2_", DECLARATION.sub("", text))
-
-
-REPAIRS = without_comments, without_prefixes  #: of what expat refuses and Gazebo's reader takes
 
 
 def text_of(path: str) -> str:

@@ -7,7 +7,7 @@ import xml.etree.ElementTree as ElementTree
 from aras_visual_servo_sim import ModelError
 
 from ..faults import told
-from ..sdf.mend import parsed
+from ..sdf.loose_xml import parsed
 from ..urdf.mend import base_mass, mend
 from ..urdf.sensors import mend_sensors
 from ..urdf.tree import PRESERVED, check_tree, lumped_links

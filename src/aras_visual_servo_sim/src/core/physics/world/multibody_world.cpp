@@ -18,7 +18,8 @@ namespace {
 
 void checkConfig(const WorldConfig& config) {
   FaultList faults;
-  const Schema& section = sectionOf("sim");
+  const std::string name = "sim";  // not a temporary: GCC 14 takes the section for a part of it
+  const Schema& section = sectionOf(name);
   checkValue(section, "period_s", config.period_s, faults);
   const Eigen::Vector3d& gravity = config.gravity_m_s2;
   checkValue(section, "gravity_m_s2", std::vector<double>(gravity.data(), gravity.data() + gravity.size()), faults);

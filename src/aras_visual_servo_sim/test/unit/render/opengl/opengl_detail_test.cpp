@@ -1,8 +1,10 @@
 // What makes a large image cheap: fewer triangles, few taps, a library for each thread.
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <thread>
 
+#include "aras_visual_servo_sim/config/errors.hpp"
 #include "opengl_tools.hpp"
 #include "render/opengl/gl/osmesa_library.hpp"
 #include "render/opengl/scene/picture_taps.hpp"
@@ -71,7 +73,12 @@ TEST(OpenGlDetail, APictureSeenStraightOnTakesOneTapEverywhere) {
 }
 
 TEST(OpenGlDetail, ThreadsThatDrawAtOnceHaveALibraryEach) {
-  const auto mine = osmesaOfThread();
+  std::shared_ptr<const OsmesaLibrary> mine;
+  try {
+    mine = osmesaOfThread();
+  } catch (const RenderError& error) {
+    GTEST_SKIP() << error.what();
+  }
   EXPECT_EQ(osmesaOfThread(), mine);
   std::shared_ptr<const OsmesaLibrary> others;
   std::thread([&] { others = osmesaOfThread(); }).join();

@@ -119,7 +119,8 @@ TEST(OpenGlRun, EglDrawsWhatOsmesaDraws) {
   } catch (const RenderError& error) {
     GTEST_SKIP() << error.what();
   }
-  if (description != OpenGlRenderer().description()) GTEST_SKIP() << "EGL draws with " << description;
+  const std::string software = OpenGlRenderer().description();
+  if (description.rfind(software, 0) != 0) GTEST_SKIP() << "EGL draws with " << description;
   egl.render(rgbCamera(), kView, shadedScene(), image);
   EXPECT_EQ(image.data, renderOpenGl(rgbCamera(), kView, shadedScene()).data);
 }

@@ -10,8 +10,12 @@
 
 #include <array>
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
 #include <memory>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
 #include "osmesa_library.hpp"
@@ -22,7 +26,7 @@ namespace {
 
 class OsmesaContext : public GlContext {
  public:
-  OsmesaContext() : library_(osmesaOfThread()) {
+  explicit OsmesaContext(std::shared_ptr<const OsmesaLibrary> library) : library_(std::move(library)) {
     const int wanted[] = {OSMESA_FORMAT,
                           OSMESA_RGBA,
                           OSMESA_DEPTH_BITS,
@@ -66,31 +70,58 @@ struct EglLibrary {
   EGLDisplay display = EGL_NO_DISPLAY;
 };
 
+/** Mesa's software renderer among EGL's devices; null: EGL does not list it. */
+EGLDeviceEXT softwareDevice(decltype(&eglGetProcAddress) address) {
+  const auto query = reinterpret_cast<PFNEGLQUERYDEVICESEXTPROC>(address("eglQueryDevicesEXT"));
+  const auto text_of = reinterpret_cast<PFNEGLQUERYDEVICESTRINGEXTPROC>(address("eglQueryDeviceStringEXT"));
+  std::array<EGLDeviceEXT, 64> devices{};
+  EGLint count = 0;
+  if (!query || !text_of || !query(EGLint(devices.size()), devices.data(), &count)) return nullptr;
+  for (int k = 0; k < count; ++k) {
+    const char* extensions = text_of(devices[k], EGL_EXTENSIONS);
+    if (extensions && std::strstr(extensions, "EGL_MESA_device_software")) return devices[k];
+  }
+  return nullptr;
+}
+
+/** Files that may hold EGL: the one that the environment names, else Debian's. */
+std::vector<std::string> eglNames() {
+  if (const char* name = std::getenv("ARAS_VISUAL_SERVO_EGL")) return {name};
+  return {"libEGL.so.1"};
+}
+
+/** @param software  on Mesa's software renderer even where there is a GPU */
+EglLibrary openEgl(bool software) {
+  const SharedLibrary file("gl 'egl'", eglNames(), "libegl1");
+  EglLibrary found{};
+  file.find(found.address, "eglGetProcAddress");
+  file.find(found.initialize, "eglInitialize");
+  file.find(found.bind_api, "eglBindAPI");
+  file.find(found.choose, "eglChooseConfig");
+  file.find(found.create, "eglCreateContext");
+  file.find(found.destroy, "eglDestroyContext");
+  file.find(found.make_current, "eglMakeCurrent");
+  decltype(&eglGetPlatformDisplay) display_of = nullptr;
+  file.find(display_of, "eglGetPlatformDisplay");
+  EGLDeviceEXT device = software ? softwareDevice(found.address) : nullptr;
+  found.display = device ? display_of(EGL_PLATFORM_DEVICE_EXT, device, nullptr)
+                         : display_of(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr);
+  if (found.display == EGL_NO_DISPLAY || !found.initialize(found.display, nullptr, nullptr)) {
+    throw RenderError("gl 'egl': found no surfaceless display, needs Mesa's EGL (Debian's package libegl-mesa0)");
+  }
+  return found;
+}
+
+template <bool kSoftware>
 const EglLibrary& eglLibrary() {
-  static const EglLibrary opened = [] {
-    const SharedLibrary file("gl 'egl'", {"libEGL.so.1"}, "libegl1");
-    EglLibrary found{};
-    file.find(found.address, "eglGetProcAddress");
-    file.find(found.initialize, "eglInitialize");
-    file.find(found.bind_api, "eglBindAPI");
-    file.find(found.choose, "eglChooseConfig");
-    file.find(found.create, "eglCreateContext");
-    file.find(found.destroy, "eglDestroyContext");
-    file.find(found.make_current, "eglMakeCurrent");
-    decltype(&eglGetPlatformDisplay) display_of = nullptr;
-    file.find(display_of, "eglGetPlatformDisplay");
-    found.display = display_of(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr);
-    if (found.display == EGL_NO_DISPLAY || !found.initialize(found.display, nullptr, nullptr)) {
-      throw RenderError("gl 'egl': found no surfaceless display, needs Mesa's EGL (Debian's package libegl-mesa0)");
-    }
-    return found;
-  }();
+  static const EglLibrary opened = openEgl(kSoftware);
   return opened;
 }
 
 class EglContext : public GlContext {
  public:
-  EglContext() : egl_(eglLibrary()) {
+  explicit EglContext(const EglLibrary& library) : egl_(library) {
+    through_ = ", through EGL";
     const EGLint wanted[] = {EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_SURFACE_TYPE, 0, EGL_NONE};
     const EGLint version[] = {
         EGL_CONTEXT_MAJOR_VERSION,           3,       EGL_CONTEXT_MINOR_VERSION, 3, EGL_CONTEXT_OPENGL_PROFILE_MASK,
@@ -164,12 +195,24 @@ std::string GlContext::description() const {
     const GLubyte* value = gl_.GetString(name);
     return std::string(value ? reinterpret_cast<const char*>(value) : "unknown");
   };
-  return text(GL_RENDERER) + ", " + text(GL_VERSION);
+  return text(GL_RENDERER) + ", " + text(GL_VERSION) + through_;
 }
 
-std::unique_ptr<GlContext> makeOsmesaContext() { return std::make_unique<OsmesaContext>(); }
+std::unique_ptr<GlContext> makeOsmesaContext() {
+  std::shared_ptr<const OsmesaLibrary> library;
+  try {
+    library = osmesaOfThread();
+  } catch (const RenderError& no_osmesa) {
+    try {
+      return std::make_unique<EglContext>(eglLibrary<true>());
+    } catch (const RenderError& no_egl) {
+      throw RenderError(no_osmesa.what() + std::string("; ") + no_egl.what());
+    }
+  }
+  return std::make_unique<OsmesaContext>(std::move(library));
+}
 
-std::unique_ptr<GlContext> makeEglContext() { return std::make_unique<EglContext>(); }
+std::unique_ptr<GlContext> makeEglContext() { return std::make_unique<EglContext>(eglLibrary<false>()); }
 
 void giveBackCompilerMemory() {
   dl_iterate_phdr(&dropPages, nullptr);

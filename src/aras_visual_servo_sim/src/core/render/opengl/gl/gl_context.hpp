@@ -26,18 +26,21 @@ class GlContext {
   };
 
   const GlFunctions& gl() const { return gl_; }
-  /** What draws, and of which version: "llvmpipe (LLVM 15.0.6, 256 bits), 4.5 (Core Profile) Mesa ...". @pre bound */
+  /** What draws, and of which version: "llvmpipe (LLVM 15.0.6, 256 bits), 4.5 (Core Profile) Mesa ...", followed by
+   * ", through EGL" where it is not OSMesa. @pre bound */
   std::string description() const;
 
  protected:
   GlFunctions gl_;
+  std::string through_;  ///< the end of the description
 
  private:
   virtual void bind() = 0;
   virtual void release() = 0;
 };
 
-/** Mesa's software renderer. @throws RenderError naming the Debian package if libOSMesa is missing */
+/** Mesa's software renderer: OSMesa, or through EGL where libOSMesa is missing. @throws RenderError naming the Debian
+ * packages if both are missing */
 std::unique_ptr<GlContext> makeOsmesaContext();
 /** The GPU if there is one, without a display. @throws RenderError naming the Debian package if libEGL is missing */
 std::unique_ptr<GlContext> makeEglContext();
