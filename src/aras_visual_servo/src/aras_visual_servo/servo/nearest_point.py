@@ -52,8 +52,9 @@ TOLD_PART, TOLD_RAD_PER_M, MOVED = 0.15, 0.5, 2.0
 WITHIN = 3
 #: A law that stalls because the arm is hindered is helped to a goal that is nearer than this [m], and farther than FAR
 #: times what the stop rule allows: nearer than that, dry friction holds the joints, which the law overcomes by itself.
-#: The help ends within ARRIVES times what the stop rule allows, or after HELP_S.
-HELP_M, FAR, ARRIVES, HELP_S = 0.15, 3.0, 0.5, 2.0
+#: The help ends within ARRIVES times what the stop rule allows, or after HELP_S. A scenario with another
+#: `servo.inverse.method` than HELPED shows what that method does, and gets no help.
+HELP_M, FAR, ARRIVES, HELP_S, HELPED = 0.15, 3.0, 0.1, 2.0, "damped"
 #: Without an image of the target for this long, the past is forgotten [s].
 FORGET_S = 1.0
 #: Steps of the search in one image; the next image goes on from there.
@@ -80,6 +81,7 @@ class NearestPoint:
         """Args: config: `ServoSettings`."""
         from .._kinematics import between  # C++: not needed to describe the settings of the servo
         self._between, self._goal, self._arm, self._stop = between, goal, arm, config.stop
+        self._may_help = config.inverse.method == HELPED
         self._rest_s = inf if config.track else settings.rest_s
         self._rows = None if goal.pose is None else goal.pose.told_rows(config.holds_tilt(goal.features.sees_tilt))
         self.clear()
@@ -113,7 +115,8 @@ class NearestPoint:
         found = nearest(self._goal.kinematics, self._X_BCg, tick.q if self._q is None else self._q, self._arm.lower,
                         self._arm.upper, self._rows, STEPS)
         if not self.active and found.within(*self._tells(tick, 1.0)):
-            return self._help(tick, found.q) if stalls and self.hindered or self._helps else None
+            begins = stalls and self.hindered and self._may_help
+            return self._help(tick, found.q) if begins or self._helps else None
         if found.within(self._stop.position_m, self._stop.rotation_rad):
             self._within += 1
             if self._within >= WITHIN:

@@ -56,6 +56,14 @@ def test_a_goal_within_reach_is_servoed_to_as_without_the_section():
     assert np.array_equal(*records)
 
 
+@pytest.mark.parametrize("method, status", [("damped", Status.CONVERGED), ("naive", Status.JOINT_LIMIT)])
+def test_an_arm_that_a_limit_holds_near_a_goal_within_reach_is_helped(method, status):
+    """Where the scenario asks for another inverse, the page shows what that one does."""
+    bench = bench_of(np.array([0.02, 1.46, 0.0]), inverse={"method": method})
+    assert bench.run(END).status == status
+    assert missing_mm(bench)[1] < 0.1
+
+
 def test_the_law_goes_on_when_the_target_comes_back():
     bench = bench_of(FAR, out_of_reach={"rest_s": 60.0}, time_limit_s=30.0)
     assert bench.run(400).status == Status.OUT_OF_REACH and not bench.servo.finished
