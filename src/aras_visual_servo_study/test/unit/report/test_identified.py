@@ -18,5 +18,5 @@ def test_the_page_shows_every_joint_parameter_and_gap():
                  "frequency [Hz]", "time since the first command [s]"):
         assert text in page, text
     hertz, density = _spectrum(times, measured - np.sin(times)[:, None])
-    assert hertz[-1] == 50.0
+    np.testing.assert_allclose(hertz[-1], 50.0)
     np.testing.assert_allclose(np.sqrt(np.mean(density**2) * 50.0), 1e-4, rtol=0.1)  # Parseval
