@@ -158,7 +158,7 @@ class TimePlot extends Plot {
       make("path", { class: "curve", stroke: one.color, "stroke-dasharray": one.dash || "none", d }, inside);
     });
     make("path", { class: "frame", d: `M${this.left} 12V${bottom}H${this.w - 10}` }, svg);
-    this.label((this.left + this.w - 10) / 2, this.h - 7, "time since the servo started [s]", "middle");
+    this.label((this.left + this.w - 10) / 2, this.h - 7, this.data.across, "middle");
     this.label(0, 0, this.data.label, "middle").setAttribute("transform", `translate(12 ${(12 + bottom) / 2}) rotate(-90)`);
     this.over = make("g", {}, svg);
     this.mark();

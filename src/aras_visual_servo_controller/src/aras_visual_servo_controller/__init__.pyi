@@ -10,6 +10,8 @@ from .identification.efforts import identify_efforts as identify_efforts
 from .identification.loops import identify_loops as identify_loops
 from .identification.recording import Commands as Commands
 from .identification.recording import Recording as Recording
+from .identification.twin import Twin as Twin
+from .identification.twin import identify_twin as identify_twin
 from .nodes.graph import Graph as Graph
 from .nodes.launch import run_over_ros as run_over_ros
 

@@ -1,5 +1,6 @@
 """Settings of the arm's motion: sections `inverse`, `null_space` and `limits` of the section `servo`; and where a
-calibration found the camera on the arm, and what this robot differs in: sections `hand_eye` and `dynamics` of `robot`."""
+calibration found the camera on the arm, and in what this robot differs from its model: sections `robot.hand_eye` and
+`robot.dynamics`."""
 
 from dataclasses import dataclass
 from math import inf
@@ -103,10 +104,12 @@ class DynamicsSettings:
     """Section `robot.dynamics`: in what this robot differs from its URDF and its controllers' file."""
 
     damping: Dict[str, float] = setting(
-        {}, unit="N s/m, N m s/rad", at_least=0, by="joint", help="Viscous friction by joint, in place of the URDF's.")
+        {}, unit="N s/m, N m s/rad", at_least=0, by="joint",
+        help="Viscous friction by joint, in place of the URDF's.")
     friction: Dict[str, float] = setting(
         {}, unit="N, N m", at_least=0, by="joint", help="Coulomb friction by joint, in place of the URDF's.")
     loops: Dict[str, LoopSettings] = setting(
-        {}, by="joint", help="Gains `{p:, i:, d:, i_clamp:}` by joint. A PID that acts by effort takes the place of the "
-                             "joint's controller, which commands the same, position or velocity.")
+        {}, by="joint",
+        help="Gains `{p:, i:, d:, i_clamp:}` by joint. A PID that acts by effort takes the place of the joint's "
+             "controller, which commands the same, position or velocity.")
     payload: Optional[PayloadSettings] = setting(None, help="What the arm carries.")

@@ -19,6 +19,7 @@ VERBS: Dict[str, Tuple[str, str, str]] = {
     "compare": (STUDY, "compare", "compare sweeps, laws or single runs"),
     "benchmark": (STUDY, "benchmark", "run a published protocol and write its table"),
     "calibrate": (ROS, "calibrate", "calibrate a camera, its place on the arm, or the plane of the target"),
+    "identify": (ROS, "identify", "identify an arm from a bag, or design a motion that tells its parameters"),
     "robot": (CORE, "robot", "print, check and add arms"),
     "scenario": (CORE, "scenario", "list, print, begin and check scenarios; print their keys"),
 }

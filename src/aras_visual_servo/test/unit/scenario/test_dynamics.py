@@ -17,7 +17,8 @@ def test_the_robot_gets_friction_payload_and_loops():
     scenario = plain.with_overrides({"robot.dynamics": SECTION})
     joint = next(each for each in ElementTree.fromstring(scenario.urdf_xml()).iter("joint")
                  if each.get("name") == "iiwa_joint_2")
-    assert {key: float(value) for key, value in joint.find("dynamics").attrib.items()} == {"damping": 3.0, "friction": 1.5}
+    found = {key: float(value) for key, value in joint.find("dynamics").attrib.items()}
+    assert found == {"damping": 3.0, "friction": 1.5}
     assert scenario.controllers()["iiwa_joint_2_position_controller"] == {
         "type": "effort_controllers/JointPositionController", "joint": "iiwa_joint_2",
         "pid": {"p": 900.0, "i": 0.0, "d": 40.0, "i_clamp": 0.0}}

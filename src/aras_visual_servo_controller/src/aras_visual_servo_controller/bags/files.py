@@ -9,7 +9,7 @@ import re
 import shutil
 import tempfile
 from pathlib import Path
-from typing import Any, Iterable, Iterator, List, Set, Tuple
+from typing import Any, Dict, Iterable, Iterator, List, Set, Tuple
 
 from aras_visual_servo import ArasError
 
@@ -55,7 +55,13 @@ class BagFiles:
     @property
     def topics(self) -> Set[str]:
         """Names of all topics, a set."""
-        return {topic for bag in self._bags for topic in bag.get_type_and_topic_info().topics}
+        return set(self.types)
+
+    @property
+    def types(self) -> Dict[str, str]:
+        """Topic -> type of its messages."""
+        return {topic: info.msg_type for bag in self._bags for topic, info in
+                bag.get_type_and_topic_info().topics.items()}
 
     def count(self, topic: str) -> int:
         """Number of messages of a topic, as the indices of the bags tell."""
@@ -64,10 +70,15 @@ class BagFiles:
 
     def messages(self, topics: Iterable[str]) -> Iterator[Tuple[str, Any]]:
         """(topic, message) of these topics in order. A broken bag ends early, with a note."""
+        for topic, message, _ in self.received(topics):
+            yield topic, message
+
+    def received(self, topics: Iterable[str]) -> Iterator[Tuple[str, Any, float]]:
+        """(topic, message, arrival [s]) of these topics in order. A broken bag ends early, with a note."""
         for bag in self._bags:
             try:
-                for topic, message, _ in bag.read_messages(topics=list(topics)):
-                    yield topic, message
+                for topic, message, at in bag.read_messages(topics=list(topics)):
+                    yield topic, message, at.to_sec()
             except Exception as error:  # a chunk cut in two: struct.error, roslz4 and bz2 errors, ROSBagFormatException
                 note = f"the bag is broken and was read up to there: {error}"
                 if note not in self.notes:

@@ -5,6 +5,7 @@ from typing import Dict, List, Optional, Sequence
 import numpy as np
 
 from aras_visual_servo import ParameterError
+from .advice import LEAST_SPAN, motion_for
 from .dynamics import Inertia, TreeDynamics
 from .estimates import Estimate, Identified, Unknown, covariance, not_told, separable
 from .recording import Recording
@@ -12,8 +13,6 @@ from .recording import Recording
 #: Both sides of the equation are averaged over a Hann window of this length. It is longer than noise and shorter than
 #: the motion. [s]
 WINDOW_S = 0.12
-#: A joint moved if its positions span more than this. [m or rad]
-LEAST_SPAN = 0.02
 #: Below this part of its mean speed a joint may stick, and Coulomb friction has no known sign.
 STICKING = 0.1
 #: Residuals are correlated over this many windows at most: windows overlap by half, and models err over a while.
@@ -155,20 +154,7 @@ class _Fit:
                           {name: float(noise[j]) for j, name in enumerate(self.names) if np.any(joint == j)})
 
     def _unknown(self, names: Dict[str, Sequence[str]]) -> List[Unknown]:
-        found = []
-        for name, others in names.items():
-            joint, _, key = name.rpartition(".")
-            if key in ("damping", "friction"):
-                motion = f"move {joint} both ways over more than {LEAST_SPAN} m or rad, at a slow and a fast speed"
-            elif name == DELAY:
-                motion = "accelerate the joints more, both ways"
-            elif name == "gravity_scale":
-                motion = "move a joint that carries weight slowly between postures of different load, both ways"
-            else:
-                motion = (f"turn {self.payload_link} about two axes across gravity, and accelerate it, so that its "
-                          "weight acts at different levers")
-            found.append(Unknown(name, tuple(others), motion))
-        return found
+        return [Unknown(name, tuple(others), motion_for(name, self.payload_link)) for name, others in names.items()]
 
 
 def _evenly(times: np.ndarray, stamps: np.ndarray, values: np.ndarray) -> np.ndarray:

@@ -1,12 +1,12 @@
 """Gain, bandwidth and delays of the joints' position or velocity loops, from commands and positions alone."""
 
-from typing import List, Tuple
+from typing import Dict, List, Tuple
 
 import numpy as np
 from scipy.optimize import least_squares
 
 from aras_visual_servo import ParameterError
-from .efforts import LEAST_SPAN
+from .advice import LEAST_SPAN
 from .estimates import HALF_95, Estimate, Identified, Unknown, covariance
 from .recording import FEWEST_SAMPLES, Recording
 
@@ -42,7 +42,9 @@ def identify_loops(recording: Recording) -> Identified:
                       f"more than {LEAST_SPAN} m or rad of one joint")
     if faults or recording.commands is None:
         raise ParameterError(faults)
-    estimates, unknown, residual = {}, [], {}
+    estimates: Dict[str, Estimate] = {}
+    unknown: List[Unknown] = []
+    residual: Dict[str, float] = {}
     for j, name in enumerate(recording.joint_names):
         names = (f"{name}.command_delay_s", f"{name}.bandwidth", f"{name}.gain")
         if not moved[j] or np.ptp(recording.commands.values[:, j]) == 0.0:
@@ -58,12 +60,17 @@ def identify_loops(recording: Recording) -> Identified:
             estimates[names[1]] = Estimate(1.0 / lag, float(stddev[1]) / lag**2, "1/s")
         else:
             unknown.append(Unknown(names[1], (), f"record {name} at a higher rate, in faster and larger steps"))
+    add_state_delay(recording, estimates, unknown)
+    return Identified(estimates, unknown, residual)
+
+
+def add_state_delay(recording: Recording, estimates: Dict[str, Estimate], unknown: List[Unknown]) -> None:
+    """Adds `joint_state_delay_s`, the mean time from the stamp of a joint state to its arrival, where that is known."""
     if recording.received_s is None:
         unknown.append(Unknown(STATE_DELAY, (), "record when each joint state arrives, on the clock of its stamp"))
     else:
         late = recording.received_s - recording.times_s
         estimates[STATE_DELAY] = Estimate(float(late.mean()), float(late.std(ddof=1) / np.sqrt(len(late))), "s")
-    return Identified(estimates, unknown, residual)
 
 
 def _answered(recording: Recording) -> np.ndarray:

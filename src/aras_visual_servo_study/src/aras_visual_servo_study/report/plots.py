@@ -85,10 +85,12 @@ def number(value: float) -> Optional[float]:
 
 
 def time_plot(name: str, title: str, t_s: np.ndarray, series: List[Dict[str, Any]], label: str, log: bool = False,
-              levels: Sequence[Dict[str, Any]] = (), ends: Optional[List[float]] = None) -> Dict[str, Any]:
-    """A plot of kind "time". ends: heights that are always in view and have a line, for example those of limits."""
+              levels: Sequence[Dict[str, Any]] = (), ends: Optional[List[float]] = None,
+              across: str = "time since the servo started [s]") -> Dict[str, Any]:
+    """A plot of kind "time". ends: heights that are always in view and have a line, for example those of limits.
+    across: label of the horizontal axis."""
     data = {"t": [number(t) for t in t_s], "series": series, "label": label, "log": log, "levels": list(levels),
-            "ends": ends}
+            "ends": ends, "across": across}
     legend = [{key: one[key] for key in ("name", "sub", "color", "dash")} for one in series]
     return {"id": name, "kind": "time", "title": title, "legend": legend, "data": data, "svg": _time_svg(data)}
 
@@ -127,7 +129,7 @@ def _time_svg(data):
         style = f' stroke="{one["color"]}" stroke-dasharray="{one["dash"] or "none"}"'
         parts += [_polyline("curve", [at(*point) for point in run], style) for run in _runs(data["t"], ys)]
     parts.append(f'<path class="frame" d="M{LEFT} {TOP}V{HEIGHT - BOTTOM}H{WIDTH - RIGHT}"/>')
-    parts.append(_text((LEFT + WIDTH - RIGHT) / 2, HEIGHT - 7, "time since the servo started [s]"))
+    parts.append(_text((LEFT + WIDTH - RIGHT) / 2, HEIGHT - 7, data["across"]))
     parts.append(f'<text transform="translate(13 {(TOP + HEIGHT - BOTTOM) / 2}) rotate(-90)" text-anchor="middle">'
                  f'{escape(data["label"])}</text>')
     return svg_of(parts)

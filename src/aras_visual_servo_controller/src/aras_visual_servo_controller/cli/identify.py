@@ -1,0 +1,140 @@
+"""The verb `identify`: the arm that a bag shows, as a robot that scenarios extend; and a motion that tells more."""
+
+import json
+import os
+from argparse import ArgumentParser, Namespace
+from pathlib import Path
+from typing import Any, Dict, Iterator, List, Tuple
+
+import numpy as np
+import yaml
+
+from aras_visual_servo import ParameterError, Scenario, cli, load_scenario, study
+from ..bags.any_bag import AnyBag
+from ..bags.joint_log import JointLog, read_joint_log
+
+#: Positions may be beyond the limits of the URDF by this. [m or rad]
+BEYOND = 0.1
+OVERLAY, PAGE, NUMBERS, MOTION = "robot.identified.yaml", "identified.html", "identified.json", "excite.yaml"
+
+
+def _options(parser: ArgumentParser) -> None:
+    parser.add_argument("bag", nargs="?", type=cli.file, metavar="BAG",
+                        help="a ROS 1 bag or a folder of its parts; a rosbag2 or an MCAP file needs "
+                             "`script/bootstrap --extras`")
+    parser.add_argument("--robot", required=True, type=cli.scenario_name, metavar="NAME",
+                        help="the arm's model: a named arm, or the scenario file that `robot add` made of a URDF")
+    parser.add_argument("--payload", metavar="LINK", help="fit a payload on this link")
+    parser.add_argument("--joint-states", metavar="TOPIC", help="topic of the joint states, where the bag has two arms")
+    parser.add_argument("--excite", action="store_true",
+                        help=f"design a motion within the limits that tells the parameters, and write it to {MOTION}; "
+                             "without BAG nothing else is done")
+    parser.add_argument("--seconds", type=float, default=20.0, help="length of that motion (default: 20)")
+    parser.add_argument("--out", default="identified", type=cli.file, metavar="DIR",
+                        help="folder for the results (default: identified)")
+
+
+def _identify(arguments: Namespace) -> int:
+    if arguments.bag is None and not arguments.excite:
+        raise ParameterError("BAG: found nothing, allowed a bag, or --excite")
+    scenario = load_scenario(arguments.robot)
+    made: Dict[str, str] = {}
+    if arguments.bag is not None:
+        made = _identified(arguments, scenario)
+    if arguments.excite:
+        from ..identification.excite import design, trajectory_yaml
+        motion = design(scenario, arguments.seconds)
+        made[MOTION] = trajectory_yaml(motion)
+        print(f"motion of {arguments.seconds:g} s, condition number {motion.condition:.3g}")
+    folder = Path(arguments.out)
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, text in made.items():
+        (folder / name).write_text(text, encoding="utf-8")
+    print(f"{folder}: {', '.join(made)} written")
+    if OVERLAY in made:
+        print(f"run the twin:  {cli.command_line('run', folder / OVERLAY)}")
+    return cli.EXIT_PASSED
+
+
+def _identified(arguments: Namespace, scenario: Scenario) -> Dict[str, str]:
+    """The files of the result, name -> text."""
+    from ..identification.twin import identify_twin
+    recording, notes = _recording(arguments, scenario)
+    twin = identify_twin(recording, scenario, arguments.payload)
+    found = twin.identified
+    rows = [{"name": name, "value": f"{each.value:.5g}", "unit": each.unit,
+             "interval": "{:.5g} to {:.5g}".format(*each.interval)} for name, each in found.estimates.items()]
+    unknown = [{"name": each.name, "others": ", ".join(each.not_apart_from), "motion": each.motion}
+               for each in found.unknown]
+    for row in rows:
+        print("{name:<36}{value:>12}   {interval:<28}{unit}".format(**row))
+    for row in unknown:
+        apart = f"cannot be told apart from {row['others']}" if row["others"] else "this bag does not tell it"
+        print(f"{row['name']}: {apart}; {row['motion']}")
+    held = twin.held_out
+    print("held-out part, root mean square error: " + ", ".join(f"{name} {value:.2g}" for name, value in held.items()))
+    numbers = {"robot": arguments.robot, "bag": arguments.bag, "held_out": held, "residual": found.residual,
+               "estimates": {name: {"value": each.value, "stddev": each.stddev, "interval": each.interval,
+                                    "unit": each.unit} for name, each in found.estimates.items()},
+               "unknown": [{"name": each.name, "not_apart_from": each.not_apart_from, "motion": each.motion}
+                           for each in found.unknown],
+               "covariance": {"names": twin.names, "matrix": twin.covariance.tolist()}}
+    page = study("report.identified").identified_html(
+        f"{scenario.name} as {Path(arguments.bag).name} shows it", arguments.repeat, twin.joint_names, twin.times_s,
+        twin.measured, twin.simulated, twin.fitted, rows, unknown, notes)
+    return {OVERLAY: _overlay(arguments, scenario, twin.overlay, [row["name"] for row in unknown]), PAGE: page,
+            NUMBERS: json.dumps(numbers, indent=1) + "\n"}
+
+
+def _overlay(arguments: Namespace, scenario: Scenario, section: Dict[str, Any], unknown: List[str]) -> str:
+    base = arguments.robot
+    if os.sep in base:
+        base = os.path.relpath(base, arguments.out)
+        base = base if os.sep in base else os.path.join(os.curdir, base)
+    lines = [f"# {scenario.name} as {Path(arguments.bag).name} shows it. Put it under any scenario:",
+             f"#   extends: [{OVERLAY}, SCENARIO]"]
+    if unknown:
+        lines.append(f"# The bag does not tell {', '.join(unknown)}.")
+    document = {"name": f"{scenario.name}_identified", "description": f"{scenario.name}, identified from a bag.",
+                "extends": base, **{key: value for key, value in section.items() if value}}
+    return "\n".join(lines) + "\n" + yaml.safe_dump(document, sort_keys=False)
+
+
+def _recording(arguments: Namespace, scenario: Scenario) -> Tuple[Any, Tuple[str, ...]]:
+    """(`Recording`, notes) of the bag."""
+    from ..identification.recording import Commands, Recording
+    kinematics = scenario.kinematics(calibrated=False)
+    with AnyBag(arguments.bag) as bag:
+        log = read_joint_log(bag, kinematics.joint_names, scenario.controllers(), arguments.joint_states,
+                             "velocity" if scenario.real.get("command") == "velocity" else "position")
+        notes = bag.notes
+    faults = [] if log.kind is not None else [
+        f"bag '{arguments.bag}': commands: found none, allowed JointState on joint_command, or Float64, "
+        "Float64MultiArray or JointTrajectory on CONTROLLER/command"]
+    faults += _limit_faults(log, kinematics)
+    try:
+        commands = None if log.kind is None else Commands(log.kind, log.told_s, log.told)
+        recording = Recording(log.names, log.times_s, log.position, log.velocity, log.effort, commands, log.received_s)
+    except ParameterError as error:
+        raise ParameterError([*faults, *error.faults]) from None
+    if faults:
+        raise ParameterError(faults)
+    return recording, notes
+
+
+def _limit_faults(log: JointLog, kinematics: Any) -> Iterator[str]:
+    sides = [("position", log.position)] + ([("commands", log.told)] if log.kind == "position" else [])
+    for what, values in sides:
+        for name, low, high, column in zip(log.names, kinematics.lower, kinematics.upper, np.transpose(values)):
+            least, most = float(np.nanmin(column)), float(np.nanmax(column))
+            if least < low - BEYOND or most > high + BEYOND:
+                yield (f"{what} of {name}: found {least:.4g} to {most:.4g}, allowed {low:.4g} to {high:.4g}, the "
+                       "limits of the URDF (rad, not degrees)")
+
+
+VERBS = {"identify": cli.Command(
+    "Identify an arm from a bag of its joint states and commands. Friction, loops, payload, gravity and delay are "
+    "fitted, each with a 95 % interval, and the robot is written as a file that scenarios extend.",
+    [("run.bag --robot iiwa7 --payload tool0", "a named arm with something in its hand"),
+     ("--excite --robot ur5e", "a motion that tells the parameters, to play on the arm and record")],
+    _options, _identify)}
