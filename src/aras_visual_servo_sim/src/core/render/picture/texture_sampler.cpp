@@ -164,7 +164,7 @@ void TextureSampler::integrateMany(const PixelBox& box, ImageOf<Value>& out) con
       const float area = 0.5f * ((x1[i + 1] - x0[i]) * (y1[i] - y0[i + 1]) - (y1[i + 1] - y0[i]) * (x1[i] - x0[i + 1]));
       // Sums cover `merged` rows each, and so does a unit of y.
       const float scale = 1.0f / (area * static_cast<float>(merged));
-      double mean[3];
+      double mean[3] = {};
       for (int c = 0; c < channels; ++c) mean[c] = SumLanes<channels>::at(sum, c) * scale;
       write(mean, pixel, out.encoding);
     }
@@ -233,7 +233,7 @@ void TextureSampler::integrateBorder(const PixelBox& box, ImageOf<Value>& out) {
         continue;
       }
       const double scale = 1.0 / (sum[channels] * merged);  // sums cover `merged` rows each, and so does a unit of y
-      double mean[3];
+      double mean[3] = {};
       for (int c = 0; c < channels; ++c) mean[c] = sum[c] * scale;
       write(mean, pixel, out.encoding);
     }
