@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """A reset with a monotonic clock against the fresh start of the same process, and limits from the parameter server."""
 import io
+import math
 import unittest
 
 import genpy
@@ -59,9 +60,11 @@ class FreshStart(unittest.TestCase):
         for listener in cls.listeners.values():
             listener.messages[:] = []
         cls.pan.publish(PAN)
+        cls.pan.publish(math.nan)  # is refused and counted, after the command before it was taken
+        cls.status.newer(lambda m: m.refused_commands == 1, "the command")
         states = cls.listeners["pan_controller/state"]
         service("sim/step", Step)(steps=1)
-        until(lambda: states.messages and states.messages[-1].set_point == PAN, "the command")
+        until(lambda: states.messages and states.messages[-1].set_point == PAN, "the set-point")
         service("sim/step", Step)(steps=STEPS - 1)
         status = cls.status.newer(lambda m: m.ticks == STEPS, "the end")
         end = start + genpy.Duration(0, STEPS * 1_000_000)
