@@ -193,6 +193,12 @@ class ServoLoop(SimulatedCell):
         """Begins the experiment with the next image. Args and errors: those of `ExperimentSequence.start`."""
         self.sequence.start(servo_only, again)
 
+    def follow_anew(self) -> None:
+        """Forgets which object the extractors followed in earlier images. The reference stays."""
+        for extractor in (self.extractor, self.servo_extractor):
+            if hasattr(extractor, "forget_previous"):  # other features follow nothing
+                extractor.forget_previous()
+
     def step(self) -> Tuple[ServoRecord, Any, np.ndarray]:
         """Takes one image and answers it.
 

@@ -114,7 +114,7 @@ TABLE: Tuple[Tuple[str, Tuple[Status, ...], str, str], ...] = (
     ("stale", (Status.STALE_INPUT,), "",
      "The arm waits for an image: look at latency and lost frames under \u201cNoise, latency, exposure, light\u201d."),
     ("held_at_end", (Status.FAULT,), JOINT, "Drive {joint} free by hand, or press Reset."),
-    ("fault", (Status.FAULT,), "", "Change what the sentence names, then press Reset."),
+    ("fault", (Status.FAULT,), "", "Change what the sentence names, then press Again, or Reset."),
     ("converged", (Status.CONVERGED, Status.STOPPED_BY_RULE), "",
      "Drag the target to see it followed, or change a gain and press Again to compare."),
     ("settled", (Status.SETTLED,), "",

@@ -105,6 +105,8 @@ class LiveRun(PageRun):
 
     def _begin(self, servo_only: bool) -> None:
         self.hand.let_go()
+        if not servo_only:
+            self.loop.follow_anew()
         self.loop.start(servo_only=servo_only)
 
     def command(self, positions: Dict[str, float], stamp_ns: int) -> None:
@@ -127,6 +129,7 @@ class LiveRun(PageRun):
         self._use_written_law()
         self.loop.sequence = self._sequence(self.servo, self.scenario)
         self.hand.let_go()
+        self.loop.follow_anew()  # whatever made the last servo lose the target may have left another object to follow
         self.loop.start(again=True)
 
     def do_stop(self, _request: Any) -> None:

@@ -297,6 +297,16 @@ def test_again_servos_from_the_start_to_the_goal_that_stands(run):
     assert run.row(1.0)[run.about()["rows"].index("servo")] == 1
 
 
+def test_again_finds_the_target_after_noise_that_hid_it(run):
+    run.do(ask.Set({"sim.cameras.0.noise_stddev": 516.0}))
+    run.do(ask.Again())
+    assert images(run, DRIVE_IMAGES + SERVO_IMAGES, ended) and run.record.status == Status.TARGET_LOST
+    run.do(ask.Set({"sim.cameras.0.noise_stddev": 0.0}))
+    run.do(ask.Again())
+    assert images(run, DRIVE_IMAGES, servoing) and images(run, SERVO_IMAGES, ended)
+    assert run.record.status == Status.CONVERGED
+
+
 def test_another_start_shows_the_target_and_is_servoed_from(run):
     draws = [run.do(ask.DrawStart())["start"] for _ in range(2)]
     assert draws[0] != draws[1] and run.loop.sequence.phase == "servo"
