@@ -1,4 +1,4 @@
-"""The run hashes of docs/conventions.md are those that runs have: on both kinds of processor, and on Debian 12 and 13."""
+"""The run hashes of docs/conventions.md are those of runs, on both kinds of processor and both releases of Debian."""
 import hashlib
 import json
 import os

@@ -68,7 +68,8 @@ class ServoLoop(SimulatedCell):
         self.servo = Servo(self.kinematics, scenario.servo)
         self._sources = source_named(SHOWN), self.servo.source
         self._want_depth = [source.wants_depth(scenario.vision) for source in self._sources]
-        self.extractor = self.servo_extractor = None
+        self.extractor: Any = None
+        self.servo_extractor: Any = None
         self._renew_extractors()
         self._begin(scenario.experiment)
 

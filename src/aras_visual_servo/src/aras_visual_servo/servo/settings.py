@@ -102,8 +102,8 @@ class ServoSettings(LawSetup):
     out_of_reach: Optional[OutOfReachSettings] = setting(
         None,
         help="An arm that cannot bring the camera to the goal goes to the nearest point by its kinematics and rests "
-             "there, and the servo ends. With `inverse.method: damped`, an arm that a limit or a singularity holds near "
-             "a goal within reach goes on by its kinematics too. Off: the arm rests after it was watched for some "
+             "there, and the servo ends. With `inverse.method: damped`, an arm that a limit or a singularity holds "
+             "near a goal within reach goes on by its kinematics too. Off: the arm rests after it was watched for some "
              "seconds, and the servo goes on to its time limit. Mode `continuous` only.")
     filter: Optional[FilterSettings] = setting(
         None,

@@ -10,8 +10,8 @@
 namespace aras_visual_servo_sim {
 namespace {
 
-constexpr std::uint32_t kFrameQueue = 1000;   // messages: at 100 Hz ten seconds
-const ros::Duration kLongestGap(0.034);  // between two transforms of a link: a picture of 30 Hz shows each
+constexpr std::uint32_t kFrameQueue = 1000;  // messages: at 100 Hz ten seconds
+const ros::Duration kLongestGap(0.034);      // between two transforms of a link: a picture of 30 Hz shows each
 
 }  // namespace
 
