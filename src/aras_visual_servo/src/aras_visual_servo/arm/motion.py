@@ -275,8 +275,9 @@ class ArmMotion:
                text: str) -> Motion:
         """`Motion` of joint velocities, (n,), that lead to joint positions within the limits, slowed as these ask."""
         twist = jacobian @ q_dot
-        slower = [float(np.linalg.norm(a) / np.linalg.norm(b)) for a, b in
-                  ((self.within_limits(twist)[:3], twist[:3]), (self.within_limits(twist)[3:], twist[3:])) if b.any()]
+        bounded = self.within_limits(twist)
+        slower = [float(np.linalg.norm(bounded[part]) / np.linalg.norm(twist[part]))
+                  for part in (slice(3), slice(3, 6)) if twist[part].any()]
         q_dot = q_dot * min([velocity_factor(q_dot, self._kinematics.velocity), *slower])
         if self._accelerates:
             q_dot = accelerated(self._before, q_dot, self._acceleration * dt_s)

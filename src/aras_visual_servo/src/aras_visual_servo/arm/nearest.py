@@ -58,9 +58,9 @@ def nearest(kinematics: RobotKinematics, X_BC: np.ndarray, q: np.ndarray, lower:
         steps: of the search, at most.
     """
     q, damping = np.minimum(np.maximum(q, lower), upper), 1e-4
-    missing, cost, J = _at(kinematics, X_BC, q, rows)
+    missing, error, cost, J = _at(kinematics, X_BC, q, rows)
     for _ in range(steps):
-        gradient = J.T @ _scaled(missing, rows)
+        gradient = J.T @ error
         free = ~((q <= lower) & (gradient < 0.0) | (q >= upper) & (gradient > 0.0))
         J_free = J[:, free]
         size = float(np.sum(J_free * J_free)) / max(1, J_free.shape[1])
@@ -70,21 +70,22 @@ def nearest(kinematics: RobotKinematics, X_BC: np.ndarray, q: np.ndarray, lower:
         step[free] = np.linalg.solve(J_free.T @ J_free + damping * size * np.eye(J_free.shape[1]), gradient[free])
         step *= min(1.0, STEP / max(float(np.abs(step).max()), 1e-12))
         tried = np.minimum(np.maximum(q + step, lower), upper)
-        new_missing, new_cost, new_J = _at(kinematics, X_BC, tried, rows)
+        new_missing, new_error, new_cost, new_J = _at(kinematics, X_BC, tried, rows)
         if new_cost >= cost:
             damping *= HARDER
             if damping > MOST:
                 break
             continue
         done = np.abs(tried - q).max() < SETTLED or new_cost > (1.0 - SLOW) * cost
-        q, missing, cost, J, damping = tried, new_missing, new_cost, new_J, max(LEAST, damping * EASIER)
+        q, missing, error, cost, J = tried, new_missing, new_error, new_cost, new_J
+        damping = max(LEAST, damping * EASIER)
         if done or cost < REACHED:
             break
     return Nearest(q, missing)
 
 
 def _at(kinematics, X_BC, q, rows):
-    """((6,) what is missing at q, its square, the scaled Jacobian)."""
+    """((6,) what is missing at q, its scaled rows, the scaled square, the scaled Jacobian)."""
     X = kinematics.pose(q)
     R_T = X[:3, :3].T
     missing = np.concatenate([R_T @ (X_BC[:3, 3] - X[:3, 3]), rotation_vector(R_T @ X_BC[:3, :3])])
@@ -93,9 +94,4 @@ def _at(kinematics, X_BC, q, rows):
         missing = (rows.T @ (rows @ (SCALE * missing))) / SCALE
         J = rows @ J
     scaled = SCALE * missing
-    return missing, float(scaled @ scaled), J
-
-
-def _scaled(missing, rows):
-    scaled = SCALE * missing
-    return scaled if rows is None else rows @ scaled
+    return missing, scaled if rows is None else rows @ scaled, float(scaled @ scaled), J

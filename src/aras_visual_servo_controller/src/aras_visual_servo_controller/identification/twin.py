@@ -165,6 +165,7 @@ class _Model:
         before = recording.times_s <= stamps[0]
         self._rest = recording.position[before].mean(axis=0) if np.any(before) else recording.position[0]
         self.parameters = self._parameters(urdf)
+        self._delay = [each.name for each in self.parameters].index(DELAY)
         self._ranges = np.array([each.range for each in self.parameters])
         self._least = np.array([each.least for each in self.parameters])
 
@@ -255,23 +256,17 @@ class _Model:
         wanted = (self._recording.times_s[rows] - self._start - values[DELAY]) / period
         asked = np.maximum(np.round(wanted).astype(int), 0)
         q, v = np.empty((2, len(rows), len(self._names)))
-        at, k, speed, last = 0, 0, commands.kind == "velocity", asked[-1]
-        for i, tick in enumerate(told.tolist()):  # a command acts from the step after its stamp
-            while k < len(asked) and asked[k] <= tick:
-                sim.step(int(asked[k]) - at)
-                at = int(asked[k])
-                q[k], v[k] = sim.joint_positions[self._order], sim.joint_velocities[self._order]
-                k += 1
-            if tick > last:
-                break
+        # A command acts from the step after its stamp. At one tick the state is read first.
+        events = sorted([(tick, 0, k) for k, tick in enumerate(asked.tolist())] +
+                        [(tick, 1, i) for i, tick in enumerate(told.tolist()) if tick <= asked[-1]])
+        at = 0
+        for tick, is_command, i in events:
             sim.step(tick - at)
             at = tick
-            command = dict(zip(self._names, commands.values[i].tolist()))
-            sim.set_command(**{"velocity" if speed else "position": command})
-        for k in range(k, len(asked)):
-            sim.step(int(asked[k]) - at)
-            at = int(asked[k])
-            q[k], v[k] = sim.joint_positions[self._order], sim.joint_velocities[self._order]
+            if is_command:
+                sim.set_command(**{commands.kind: dict(zip(self._names, commands.values[i].tolist()))})
+            else:
+                q[i], v[i] = sim.joint_positions[self._order], sim.joint_velocities[self._order]
         return q + v * ((wanted - asked) * period)[:, None], v
 
     def residual(self, x, rows, weights):
@@ -298,7 +293,7 @@ class _Model:
         """
         joints = len(self._names)
         x = np.array([each.start for each in self.parameters])
-        x[[each.name for each in self.parameters].index(DELAY)] = self._first_delay(x)
+        x[self._delay] = self._first_delay(x)
         weights = np.ones(joints if self._recording.velocity is None else 2 * joints)
         with ThreadPoolExecutor(threads) as pool:
             x, _ = self._descend(x, self._first, weights[:joints], FIRST_ROUNDS, 1e-2, pool)
@@ -348,8 +343,8 @@ class _Model:
 
     def _delayed(self, x, plain, rows, pool):
         """(x, residual) of the best delay nearby: set points that jump make its derivative hold for a period only."""
-        weights, where = _weights(plain), [each.name for each in self.parameters].index(DELAY)
-        trials = [x + step * (np.arange(len(x)) == where) for step in DELAY_STEPS_S]
+        weights = _weights(plain)
+        trials = [x + step * (np.arange(len(x)) == self._delay) for step in DELAY_STEPS_S]
         found = list(pool.map(lambda trial: self.residual(trial, rows, np.ones(len(weights))), trials))
         costs = [float(np.sum((each * weights[:, None])**2)) for each in (plain, *found)]
         best = int(np.argmin(costs))
@@ -366,8 +361,7 @@ class _Model:
         groups = np.repeat(np.arange(len(now)), now.shape[1])
         cov = covariance(inverse, now.ravel(), groups, LAGS)
         # The simulator delays commands by whole periods.
-        where = [each.name for each in self.parameters].index(DELAY)
-        cov[where, where] += (self._period_s / self._ranges[where])**2 / 12.0
+        cov[self._delay, self._delay] += (self._period_s / self._ranges[self._delay])**2 / 12.0
         stddev = np.sqrt(np.diag(cov))
         names = [each.name for each in self.parameters]
         unknown = not_told(null, names)
