@@ -141,17 +141,26 @@ def _eye_to_hand_faults(value) -> Iterator[Fault]:
                         "with it", True)
 
 
-def _latency_faults(value, schema) -> Iterator[Fault]:
+def longest_latencies(document: Mapping[str, Any]) -> List[float]:
+    """Returns the longest `latency_s` that each camera of a checked document may have [s], >= 0."""
+    value, schema = _values(document, ()), scenario_schema()
+    return [_longest_latency_s(value, schema, _values(camera, ())) for _, camera in _entries(value, "sim.cameras")]
+
+
+def _longest_latency_s(value, schema, here) -> float:
     """An image must be answered before it is stale, also one that comes a frame later, with the rounding of its time
-    to ticks."""
+    to ticks. Args: here: the values of the camera."""
     timeout_s = value("servo.input_timeout_s", ServoSettings.input_timeout_s)
     period_s = value("sim.period_s", default_of("sim.period_s", schema))
-    rate = default_of("sim.cameras.rate_hz", schema)
+    return max(0.0, timeout_s - 1.0 / here("rate_hz", default_of("sim.cameras.rate_hz", schema)) - 2.0 * period_s)
+
+
+def _latency_faults(value, schema) -> Iterator[Fault]:
     for i, camera in _entries(value, "sim.cameras"):
         here = _values(camera, ())
         try:
-            latency_s, longest_s = here("latency_s", 0.0), timeout_s - 1.0 / here("rate_hz", rate) - 2.0 * period_s
-            if latency_s > max(0.0, longest_s):
+            latency_s, longest_s = here("latency_s", 0.0), _longest_latency_s(value, schema, here)
+            if latency_s > longest_s:
                 yield Fault(("sim", "cameras", i, "latency_s"), f"found {latency_s:g}, allowed <= "
                             f"servo.input_timeout_s - 1 / rate_hz - 2 sim.period_s = {longest_s:.4g}", True)
         except (TypeError, ArithmeticError, ValueError):  # one of them is no number: the schema says so

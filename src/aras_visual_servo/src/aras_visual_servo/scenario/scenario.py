@@ -14,7 +14,7 @@ from ..arm.kinematics import RobotKinematics
 from ..arm.robot import kinematics_of
 from ..arm.settings import DynamicsSettings
 from ..ground.errors import ParameterError
-from .check import check
+from .check import check, longest_latencies
 from .extends import anchored, cleared, load_resolved, located, with_places
 from ..config.files import find_scenario, load_yaml, resolve_uri
 from ..config.reader import read
@@ -86,6 +86,11 @@ class Scenario:
     def _dynamics(self):
         section = self.robot.get("dynamics")
         return None if section is None else read(DynamicsSettings, section, "robot.dynamics")
+
+    @property
+    def longest_latencies(self) -> Tuple[float, ...]:
+        """Returns the longest `latency_s` that each camera may have [s]: its images must not be stale when answered."""
+        return tuple(longest_latencies(self.as_dict()))
 
     def goal_posture(self, kinematics: RobotKinematics) -> np.ndarray:
         """Returns the joint positions at the goal, (n,), in the order of `kinematics.joint_names`.

@@ -129,6 +129,10 @@ def test_a_late_loop_converges_and_goes_on_for_the_closing_time():
 def test_a_latency_that_the_controller_would_call_stale_is_refused():
     with pytest.raises(ParameterError, match=r"sim.cameras\[0\].latency_s: found 0.17, allowed .* 0.1647"):
         late(0.17)
+    longest_s, = load_scenario("experiment_1").longest_latencies
+    assert longest_s == pytest.approx(0.2 - 1.0 / 30.0 - 0.002) and late(longest_s).longest_latencies == (longest_s,)
+    with pytest.raises(ParameterError, match="latency_s"):
+        late(longest_s + 1e-6)
 
 
 #: Scenarios of one extractor, and of two.
