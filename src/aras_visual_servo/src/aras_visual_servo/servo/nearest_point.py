@@ -34,7 +34,10 @@ STALLS, STALL_S, MEAN_S = 0.5, 0.3, 0.2
 #: Slower twists do not count as stalled [m/s], rotations times DISTANCE_M: a distance from which targets are seen [m].
 LEAST, DISTANCE_M = 1e-3, 0.3
 WEIGHTS = np.array([1.0] * 3 + [DISTANCE_M] * 3)
-NAMES = ("vx", "vy", "vz", "wx", "wy", "wz")
+#: Each component of a twist in words, (negative, positive): the camera's x is right, y down, z forwards.
+MOTIONS = (("to the left", "to the right"), ("up", "down"), ("backwards", "forwards"),
+           ("by a turn down", "by a turn up"), ("by a turn to the left", "by a turn to the right"),
+           ("by a roll anticlockwise", "by a roll clockwise"))
 #: Components of the direction below this part of the largest one are not named.
 NAMED = 0.25
 #: Rate at which the joints go to the nearest point [1/s]: that of the law within these bounds.
@@ -212,13 +215,16 @@ class NearestPoint:
         names = self._goal.kinematics.joint_names
         ends = [f", joint '{name}' at its limit" for name, end in zip(names, at_end) if end]
         asked = self._arm.within_limits(tick.twist)
-        return f"out of reach by {' and '.join(size)}{''.join(ends)}; in its own frame the camera would have to go " \
-               f"on by {direction(asked)}"
+        return f"out of reach by {' and '.join(size)}{''.join(ends)}; {would_go_on(asked)}"
 
 
 def direction(twist: np.ndarray) -> str:
-    """Returns the components of a twist, (6,), that count most, in words, largest first."""
+    """Returns the components of a twist, (6,), that count most, in words as seen in the camera's image, largest first."""
     sizes = [abs(value) * weight for value, weight in zip(twist.tolist(), WEIGHTS.tolist())]
     order = sorted(range(6), key=lambda i: -sizes[i])
-    return ", ".join(f"{NAMES[i]} {twist[i]:+.3f} {'m/s' if i < 3 else 'rad/s'}" for i in order
-                     if sizes[i] >= NAMED * max(sizes))
+    return " and ".join(MOTIONS[i][int(twist[i] > 0.0)] for i in order if sizes[i] >= NAMED * max(sizes))
+
+
+def would_go_on(twist: np.ndarray) -> str:
+    """Returns in words how the camera would go on if the arm could: by a twist, (6,)."""
+    return f"the camera would have to go on {direction(twist)}, as seen in its image"

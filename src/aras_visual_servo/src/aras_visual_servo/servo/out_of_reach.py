@@ -18,7 +18,7 @@ import numpy as np
 
 from ..arm.motion import ArmMotion, Motion
 from ..ground.types import Status
-from .nearest_point import DISTANCE_M, NearestPoint, direction
+from .nearest_point import DISTANCE_M, NearestPoint, direction, would_go_on
 from .stage import Tick
 from .stop_rule import StopRule
 
@@ -99,7 +99,7 @@ class OutOfReach:
         """Returns the `Motion` of what was `left` of a twist asked for, with the status that says what was left out."""
         if left is asked or motion.status is not None:
             return motion
-        text = f"the arm cannot go on by {direction(asked - left)}"
+        text = f"the arm cannot go on {direction(asked - left)}, as seen in the camera's image"
         return motion._replace(status=Status.NEAR_SINGULARITY, text=text)
 
     def watch(self, tick: Tick, asked: np.ndarray, motion: Motion) -> None:
@@ -179,7 +179,7 @@ class OutOfReach:
         first, last = self._images[-1 - len(self._images) // 2], self._images[-1]
         self.asked = self._mean = (last[2] - first[2]) / (1e-9 * (last[0] - first[0]))
         by = f", {motion.text}" if motion.status == Status.JOINT_LIMIT else ""
-        self._text = f"out of reach{by}; in its own frame the camera would have to go on by {direction(self.asked)}"
+        self._text = f"out of reach{by}; {would_go_on(self.asked)}"
 
 
 def _parts(twist: np.ndarray) -> np.ndarray:

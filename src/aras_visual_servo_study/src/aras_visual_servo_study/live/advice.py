@@ -12,7 +12,7 @@ from typing import Callable, Dict, NamedTuple, Optional, Tuple
 
 import numpy as np
 
-from aras_visual_servo import RobotKinematics, Status, least_singular_value
+from aras_visual_servo import RobotKinematics, Status, least_singular_value, spatial
 
 #: How far a joint is turned to see whether it leads out of a singularity [rad or m].
 TRIED = 0.1
@@ -20,12 +20,10 @@ TRIED = 0.1
 LENGTH_M = 0.3
 #: An image is divided into thirds to say where the target was seen last.
 SIDES = ("left", "", "right"), ("top", "", "bottom")
-#: Where the camera would have to go on, in its own frame -> what brings the target back within reach.
-DRAGS = {"vx+": "left in the camera's image", "vx-": "right in the camera's image", "vy+": "up in the camera's image",
-         "vy-": "down in the camera's image", "vz+": "towards the camera", "vz-": "away from the camera",
-         "wx+": "back to where it lies flat", "wx-": "back to where it lies flat", "wy+": "back to where it lies flat",
-         "wy-": "back to where it lies flat", "wz+": "back by a turn of its ring",
-         "wz-": "back by a turn of its ring"}
+#: A target that is nearer to where it was when the goal was taught has not moved [m, rad].
+MOVED_M, MOVED_RAD = 0.002, 0.02
+#: A part of the way that is smaller than this part of it is not told.
+TOLD = 0.4
 
 
 class Seen(NamedTuple):
@@ -42,6 +40,7 @@ class Moment:
 
     Attributes: status, text, phase: of the record.  q: (n,) joint positions.  size: (width, height) of the image [px].
         seen: where the target was seen last, or None.
+        away_C: (4, 4) motion that brings the target back to where it was taught, in the camera's frame; None: unknown.
     """
 
     status: Status
@@ -51,6 +50,7 @@ class Moment:
     q: np.ndarray
     size: Tuple[int, int]
     seen: Optional[Seen] = None
+    away_C: Optional[np.ndarray] = None
 
 
 def _last_seen(moment: Moment) -> str:
@@ -75,8 +75,32 @@ def _way_out(moment: Moment) -> str:
     return f"{best[1]} in its {'positive' if best[2] > 0.0 else 'negative'} direction"
 
 
+def _way_back(moment: Moment) -> str:
+    """What brings the target back to where the arm could servo to it, in words: a drag on its plane, or a turn."""
+    X = moment.away_C
+    if X is None:
+        return "Drag the target to where its plane is green"
+    across, down = X[0, 3], X[1, 3]
+    most = float(np.linalg.norm(X[:3, 3]))
+    if most > MOVED_M:
+        words = [name for way, name in ((across, "right" if across > 0.0 else "left"), (down, "down" if down > 0.0 else "up"))
+                 if abs(way) > TOLD * most]
+        where = f" {' and '.join(words)} in the camera's image" if words else ""
+        return f"Drag the target back{where}, to where its plane is green"
+    if spatial.rotation_angle(X[:3, :3]) > MOVED_RAD:
+        return "Turn the target back by its ring"
+    return "Drag the target to where its plane is green"
+
+
+def limit_joint(text: str) -> str:
+    """Returns the joint that a reason names as being held back by its limit, "" where it names none."""
+    found = re.search(AT_LIMIT, text)
+    return "" if found is None else found["joint"] or found["joints"].partition(", ")[0].strip()
+
+
 #: Name in a text of the table -> function that finds it in the run.
-FACTS: Dict[str, Callable[[Moment], str]] = {"last_seen": _last_seen, "way_out": _way_out}
+FACTS: Dict[str, Callable[[Moment], str]] = {"last_seen": _last_seen, "way_out": _way_out,
+                                              "way_back": _way_back}
 
 JOINT = r"joint '(?P<joint>[^']+)'"
 AT_LIMIT = rf"{JOINT} at its limit|at their limits, the others go on: (?P<joints>[^;)]+)"
@@ -85,8 +109,8 @@ HELD = (Status.OUT_OF_REACH, Status.JOINT_LIMIT, Status.NEAR_SINGULARITY, Status
 
 #: (kind, statuses, pattern of the text, what to do now).
 TABLE: Tuple[Tuple[str, Tuple[Status, ...], str, str], ...] = (
-    ("out_of_reach", (*HELD, *ENDS), r"(?:go on|cannot go on) by (?P<way>\w\w) (?P<sign>[+-])",
-     "Drag the target {drag}, or to where its plane is green: the arm goes on as soon as it can reach it."),
+    ("out_of_reach", (*HELD, *ENDS), r"would have to go on|cannot go on",
+     "{way_back}: the arm goes on as soon as it can reach it."),
     ("chatters", (*HELD, *ENDS), rf"{JOINT} chatters",
      "{joint} reverses because the arm is close to a singularity: drag the target nearer, bend {way_out}, or raise "
      "servo.inverse.damping."),
@@ -134,9 +158,7 @@ def advice(moment: Moment) -> Tuple[str, str]:
             continue
         words = {key: value for key, value in found.groupdict().items() if value}
         if "joints" in words:
-            words["joint"] = words["joints"].partition(", ")[0].strip()
-        if "way" in words:
-            words["drag"] = DRAGS[words["way"] + words["sign"]]
+            words["joint"] = limit_joint(moment.text)
         words.update({name: fact(moment) for name, fact in FACTS.items() if "{" + name + "}" in text})
         return kind, text.format(**words)
     return "", ""

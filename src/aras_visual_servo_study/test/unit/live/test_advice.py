@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from aras_visual_servo import Status, kinematics_of, load_scenario
-from aras_visual_servo_study.live.advice import DRAGS, TABLE, Moment, Seen, advice
+from aras_visual_servo import Status, kinematics_of, load_scenario, spatial
+from aras_visual_servo_study.live.advice import TABLE, Moment, Seen, advice, limit_joint
 
 ARM = kinematics_of(load_scenario("experiment_1").urdf_xml(), load_scenario("experiment_1").robot, calibrated=False)
-REACH = "out of reach; in its own frame the camera would have to go on by vx -0.123 m/s, vy +0.041 m/s"
+REACH = "out of reach; in its own frame the camera would have to go on to the left and down, as seen in its image"
 TIME = "not converged after 20.0 s: yn; for the last 3.0 s the arm could not do what was asked ({})"
 LIMIT = "joint 'J2' at its limit, speed times 0.43"
 
@@ -17,8 +17,8 @@ def told(status, text, phase="servo", q=(0.0,) * 6, seen=None):
 
 
 @pytest.mark.parametrize("status, text, kind, named", [
-    (Status.OUT_OF_REACH, REACH, "out_of_reach", DRAGS["vx-"]),
-    (Status.TIMED_OUT, TIME.format(REACH), "out_of_reach", DRAGS["vx-"]),
+    (Status.OUT_OF_REACH, REACH, "out_of_reach", "where its plane is green"),
+    (Status.TIMED_OUT, TIME.format(REACH), "out_of_reach", "where its plane is green"),
     (Status.NEAR_SINGULARITY, "joint 'J5' chatters: it reverses from image to image", "chatters", "J5"),
     (Status.TIMED_OUT, TIME.format("joint 'J5' chatters: it reverses"), "chatters", "J5"),
     (Status.JOINT_LIMIT, LIMIT, "joint_limit", "J2"), (Status.TIMED_OUT, TIME.format(LIMIT), "joint_limit", "J2"),
@@ -45,6 +45,19 @@ def test_while_all_goes_well_nothing_is_advised():
 def test_a_lost_target_is_told_with_where_it_was_seen():
     _, now = told(Status.TARGET_LOST, "target not in view", seen=Seen(8.25, 310.0, 12.0))
     assert "8.25 s" in now and "top right" in now and "310, 12" in now
+
+
+@pytest.mark.parametrize("way, turn, named", [
+    ((0.0, -0.1, 0.02), 0.0, "back up in"), ((0.1, 0.09, 0.0), 0.0, "back right and down in"),
+    ((0.0, 0.0, 0.1), 0.0, "back, to where"), ((0.0, 0.0, 0.0), 0.3, "ring"), ((0.0, 0.0, 0.0), 0.0, "to where its plane")])
+def test_a_target_out_of_reach_is_dragged_back_on_its_plane(way, turn, named):
+    away_C = spatial.pose_from_rpy(way, (0.0, 0.0, turn))
+    assert named in advice(Moment(Status.OUT_OF_REACH, REACH, "servo", ARM, np.zeros(6), (320, 240), None, away_C))[1]
+
+
+@pytest.mark.parametrize("text, joint", [(LIMIT, "J2"), ("at their limits, the others go on: J3, J1", "J3"), (REACH, "")])
+def test_the_joint_that_a_limit_holds_back_is_named(text, joint):
+    assert limit_joint(TIME.format(text)) == limit_joint(text) == joint
 
 
 def test_the_way_out_of_a_singularity_raises_the_smallest_singular_value():
