@@ -11,7 +11,7 @@ import yaml
 from aras_visual_servo import (JOINT_HALF_WIDTH, TWIST_NAMES, Feasibility, Features, ParameterError, ReachMap,
                                RobotKinematics, Scenario, Servo, ServoRecord, Status, known_features, known_laws,
                                reach_map, scenario_schema, spatial, styles, works_on)
-from .advice import Moment, Seen, advice
+from .advice import Moment, Seen, advice, limit_joint
 from .editor import LawEditor
 from .following import Following
 from .hand import Hand
@@ -88,7 +88,7 @@ class PageRun:
                     for style, threshold in zip(styles(self.servo.feature_names), self.servo.config.thresholds)]
         rows = ["t", *(f"e.{name}" for name in self.servo.feature_names), *(f"v.{name}" for name in TWIST_NAMES),
                 *(f"q.{name}" for name in self.kinematics.joint_names), "condition", "manipulability",
-                "real_time_factor", *POSES, "u", "v", "image", "status", "servo"]
+                "real_time_factor", *POSES, "u", "v", "image", "status", "servo", "limited"]
         return {
             **drawn(self.scenario, self.kinematics, self.camera_info, self.camera_pose()[:3, 3], self.target_pose(),
                     self.target),
@@ -109,11 +109,17 @@ class PageRun:
         return []
 
     def standing(self) -> Dict[str, Any]:
-        """Returns the part of `about` that changes with every setting: values, and which wait for a reset."""
-        return {"values": self.scenario.as_dict(), "waiting": sorted(self.waiting)}
+        """Returns the part of `about` that changes with every setting: values, which wait for a reset, and by path the
+        ends that other settings make (rounded down)."""
+        ends = {f"sim.cameras.{i}.latency_s": math.floor(1e4 * longest_s) / 1e4
+                for i, longest_s in enumerate(self.scenario.longest_latencies)}
+        return {"values": self.scenario.as_dict(), "waiting": sorted(self.waiting), "ends": ends}
 
     def row(self, real_time_factor: float) -> List[Optional[float]]:
-        """Returns the numbers of the last image that curves show (`rows` of `about`), None where one does not exist."""
+        """Returns the numbers of the last image that curves show (`rows` of `about`), None where one does not exist.
+
+        limited: place of the joint whose limit holds the arm back.
+        """
         record, centre = self.record, self.marks()["centre"]
         if centre is not None:
             self._seen = Seen(record.stamp_ns * 1e-9, *centre)
@@ -121,7 +127,12 @@ class PageRun:
                    real_time_factor]
         poses = pose_numbers(self.X_WC) or NO_POSE, pose_numbers(self.target_pose()) or NO_POSE
         return [*(rounded(x) for x in numbers), *poses[0], *poses[1],
-                *(centre or (None, None)), self.images, int(record.status), int(record.phase == "servo")]
+                *(centre or (None, None)), self.images, int(record.status), int(record.phase == "servo"),
+                self._limited(record.status_text)]
+
+    def _limited(self, text: str) -> Optional[int]:
+        name, names = limit_joint(text), self.kinematics.joint_names
+        return names.index(name) if name in names else None
 
     def state(self) -> Dict[str, Any]:
         """Returns what moves, for JSON."""
@@ -138,9 +149,21 @@ class PageRun:
         if self._advised != moment and q is not None:
             size = self.camera_info["width"], self.camera_info["height"]
             self._advised = moment
-            self._advice = advice(Moment(*moment, self.kinematics, q, size, self._seen))
+            self._advice = advice(Moment(*moment, self.kinematics, q, size, self._seen, self._away()))
         kind, now = self._advice
         return {"status": status.name, "text": text, "kind": kind, "advice": now}
+
+    def _away(self) -> Optional[np.ndarray]:
+        """(4, 4): motion that brings the target back to where it was taught, in the camera's frame: its translation is the
+        way of its origin. None without a target, or before a goal was taught."""
+        X_WT = self.target_pose()
+        if self._view is None or X_WT is None:
+            return None
+        R_WC, taught = self.camera_pose()[:3, :3], self._view[1]
+        away = np.eye(4)
+        away[:3, 3] = R_WC.T @ (taught[:3, 3] - X_WT[:3, 3])
+        away[:3, :3] = R_WC.T @ taught[:3, :3] @ X_WT[:3, :3].T @ R_WC
+        return away
 
     def marks(self) -> Dict[str, Any]:
         """Returns what is drawn into the last image, see `marks_of`."""

@@ -229,7 +229,7 @@ class Socket(Guarded, tornado.websocket.WebSocketHandler):
             answer = await asyncio.wrap_future(self.server.runner.submit(request))
             if request.do == "set":  # told before it is answered: who has the answer knows the values
                 self.server.hub.tell({"type": "set", "by": self.name, "values": request.values,
-                                      "waiting": self.server.runner.about["waiting"]})
+                                      **{key: self.server.runner.about[key] for key in ("waiting", "ends")}})
             self.send(json.dumps({"type": "answer", "id": number, "ok": True, **answer}))
         except RuntimeError as error:  # ours, and the simulator's
             if isinstance(error, ArasError) and number is None:
