@@ -29,7 +29,7 @@ export class Connection {
     if (typeof data === "string") {
       const message = JSON.parse(data);
       if (message.type === "about") this.model.about_is(message);
-      else if (message.type === "set") this.model.values_are(message.values, message.waiting);
+      else if (message.type === "set") this.model.values_are(message.values, message.waiting, message.ends);
       else if (message.type === "answer") this.answered(message);
       return;
     }

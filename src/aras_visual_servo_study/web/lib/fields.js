@@ -4,24 +4,32 @@ import { valueAt } from "./model.js";
 import { keyWords, readIn } from "./units.js";
 
 /** Where a slider of a key without useful bounds ends, by unit; the number beside it takes any value that is allowed. */
-const SPAN = { "grey levels": 20, s: 0.2, "1/s": 10, m: 0.2, rad: 0.2, "m, rad": 0.1, Hz: 100, "m/s": 1, "rad/s": 2 };
+const SPAN = { "grey levels": 100, s: 0.2, "1/s": 10, m: 0.2, rad: 0.5, "m, rad": 0.1, Hz: 100, "m/s": 1, "rad/s": 2 };
 const SEND_MS = 60;
 
 const lowest = (schema) => schema.minimum ?? schema.exclusiveMinimum ?? -Infinity;
 const highest = (schema) => schema.maximum ?? schema.exclusiveMaximum ?? Infinity;
 
-/** A slider of a factor reaches from a sixth of its value to six times it, and begins anew about the value it was left at. */
-const REACH = 6;
+/** Bounds that are more than this many spans away are no end for a slider. */
+const FAR = 5;
+/** Where the slider of a key that is no less than 0 begins and ends, by unit: factors count, so it is logarithmic. */
+const FACTORS = { "1/s": [0.1, 100] };
 
-/** How a slider maps its way of 0 to 1 to a number: { from(part), to(value) }. */
-export const scaleOf = (schema, value) => {
-  const low = lowest(schema), high = highest(schema), size = Math.abs(value || 0) || Math.abs(schema.default || 0);
-  if (schema.exclusiveMinimum === 0 && size > 0) {   // a gain, a threshold: factors count
-    const bottom = Math.log(size / REACH), top = Math.log(Math.min(size * REACH, Math.max(high, size)));
-    return { from: (part) => Math.exp(bottom + part * (top - bottom)), to: (x) => (Math.log(Math.max(x, 1e-12)) - bottom) / (top - bottom), about: true };
+const decadeBelow = (x) => 10 ** Math.floor(Math.log10(x) + 1e-9);
+
+/**
+ * How a slider maps its way of 0 to 1 to a number: { from(part), to(value) }. It stays as it is while a value changes.
+ * first: the value that was there first.  value: the one there now; only one that lies beyond an end moves this end.
+ */
+export const scaleOf = (schema, first, value = first) => {
+  const low = lowest(schema), high = highest(schema), size = Math.abs(first || 0) || Math.abs(schema.default || 0);
+  if (schema.exclusiveMinimum === 0 && size > 0) {   // a gain, a threshold
+    const [least, most] = FACTORS[schema.unit] || [0.1 * decadeBelow(size), 100 * decadeBelow(size)], now = Math.abs(value || 0) || size;
+    const bottom = Math.log(Math.min(least, decadeBelow(now))), top = Math.log(Math.min(Math.max(most, 10 * decadeBelow(0.999 * now)), Math.max(high, now)));
+    return { from: (part) => Math.exp(bottom + part * (top - bottom)), to: (x) => (Math.log(Math.max(x, 1e-12)) - bottom) / (top - bottom) };
   }
-  const span = Math.max(SPAN[schema.unit] || 1, 3 * size);
-  const begin = Number.isFinite(low) && low > -1000 ? low : -span, end = Number.isFinite(high) && high - begin <= 1000 && high - begin <= 50 * span ? high : Math.max(begin, 0) + span;
+  const span = Math.max(SPAN[schema.unit] || 1, 3 * size, Math.abs(value || 0));
+  const begin = Number.isFinite(low) && low > -1000 ? low : -span, end = Number.isFinite(high) && high - begin <= Math.max(FAR * span, begin < 0 ? 1000 : 0) ? high : Math.max(begin, 0) + span;
   return { from: (part) => begin + part * (end - begin), to: (x) => (x - begin) / (end - begin) };
 };
 
@@ -36,11 +44,12 @@ export class Fields {
     this.model = page.model;
     this.byPath = new Map();
     this.waiting = new Map();
+    this.firsts = new Map();
     this.model.on("values", (paths) => this.refresh(paths));
   }
 
-  /** Sends a value, no oftener than the run can take it; the newest always arrives. */
-  send(path, value) {
+  /** Sends a value, no oftener than the run can take it; the newest always arrives. paths: that get it, where it is not one. */
+  send(path, value, paths = [path]) {
     const pending = this.waiting.get(path) || {};
     pending.value = value;
     this.waiting.set(path, pending);
@@ -49,9 +58,10 @@ export class Fields {
       pending.timer = null;
       pending.flying = true;
       const sent = pending.value;
-      this.page.ask({ do: "set", values: { [path]: sent } })
-        .then(() => notice(path, ""), (error) => this.fault(path, error.message))
-        .finally(() => { pending.flying = false; if (pending.value !== sent) this.send(path, pending.value); else this.refresh([path]); });
+      let refused = false;
+      this.page.ask({ do: "set", values: Object.fromEntries(paths.map((one) => [one, sent])) })
+        .then(() => notice(path, ""), (error) => { refused = true; this.fault(path, error.message); })
+        .finally(() => { pending.flying = false; if (pending.value !== sent) this.send(path, pending.value, paths); else this.refresh([path], refused); });
     }, pending.last && performance.now() - pending.last < SEND_MS ? SEND_MS : 0);
     pending.last = performance.now();
   }
@@ -64,10 +74,11 @@ export class Fields {
     setTimeout(() => notice(path, ""), 8000);
   }
 
-  refresh(paths) {
+  /** Shows the values of these paths (null: of all); refused: also in a box that is being written in. */
+  refresh(paths, refused = false) {
     for (const [path, fields] of this.byPath)
       if (paths === null || paths.some((one) => path === one || path.startsWith(`${one}.`) || one.startsWith(`${path}.`)))
-        for (const field of fields) field();
+        for (const field of fields) field(refused);
   }
 
   listen(path, show) {
@@ -101,38 +112,37 @@ export class Fields {
     return this.json(path, schema, label);
   }
 
-  number(path, schema, label) {
-    let scale = scaleOf(schema, this.value(path, schema)), held = false;
+  /** paths: where there are several, the number is that of all of them; without one where they differ. */
+  number(path, schema, label, paths = [path]) {
+    const limits = () => { const most = this.model.ends[path]; return most === undefined ? schema : { ...schema, maximum: Math.min(most, highest(schema)) }; };
+    const common = () => { const all = paths.map((one) => this.value(one, schema)); return all.every((one) => one === all[0]) ? all[0] : undefined; };
+    if (!this.firsts.has(path)) this.firsts.set(path, this.value(paths[0], schema));
+    const scaleNow = (value) => scaleOf(limits(), this.firsts.get(path), value);
+    let scale = scaleNow(common()), held = false;
     const { factor, unit } = readIn(schema.unit), name = `${label.textContent ?? label} ${unit}`.trim();
     const slider = el("input", { type: "range", min: 0, max: 1, step: 0.001, "aria-label": `${name}, slider` });
     const box = el("input", { type: "number", step: "any", "aria-label": name });
     const write = (value) => { box.value = short(factor * value, schema); slider.setAttribute("aria-valuetext", `${box.value} ${unit}`); };
-    const show = () => {
-      const value = this.value(path, schema);
-      if (held || this.sending(path) || document.activeElement === box) return;
-      if (value === undefined || value === null) box.value = ""; else write(value);
-      if (value !== undefined && value !== null && (scale.to(value) < 0 || scale.to(value) > 1)) scale = scaleOf(schema, value);
-      slider.value = value === undefined || value === null ? 0 : scale.to(value);
+    const show = (refused) => {
+      const value = common() ?? null;
+      if (held || (!refused && (this.sending(path) || document.activeElement === box))) return;
+      if (value === null) box.value = ""; else write(value);
+      scale = scaleNow(value ?? this.value(paths[0], schema));
+      slider.value = value === null && paths.length === 1 ? 0 : scale.to(value ?? this.value(paths[0], schema));
     };
     slider.oninput = () => {
       held = true;
       let value = Number(short(scale.from(Number(slider.value)), schema));
-      value = Math.min(highest(schema), Math.max(lowest(schema), value));
+      value = Math.min(highest(limits()), Math.max(lowest(schema), value));
       write(value);
-      this.send(path, value);
+      this.send(path, value, paths);
     };
-    slider.onchange = () => {
-      held = false;
-      const part = Number(slider.value);
-      if (!scale.about || (part > 0.1 && part < 0.9)) return;   // left at an end, it begins anew about this value
-      scale = scaleOf(schema, Number(short(scale.from(part), schema)));
-      slider.value = 0.5;
-    };
+    slider.onchange = () => { held = false; if (!this.sending(path)) show(true); };
     box.onchange = () => {
       const value = box.value === "" ? null : Number((Number(box.value) / factor).toPrecision(12));
-      this.send(path, value);
-      if (value !== null) { scale = scaleOf(schema, value); slider.value = scale.to(value); }
+      this.send(path, value, paths);
     };
+    if (paths.length > 1) box.placeholder = "differ";
     this.listen(path, show);
     return this.row(path, schema, label, slider, box);
   }
@@ -151,7 +161,7 @@ export class Fields {
 
   text(path, schema, label) {
     const box = el("input", { type: "text", "aria-label": label, spellcheck: "false", onchange: () => this.send(path, box.value === "" ? null : box.value) });
-    this.listen(path, () => { if (document.activeElement !== box) box.value = this.value(path, schema) ?? ""; });
+    this.listen(path, (refused) => { if (refused || document.activeElement !== box) box.value = this.value(path, schema) ?? ""; });
     return this.row(path, schema, label, box);
   }
 
@@ -169,7 +179,7 @@ export class Fields {
       } }, ...words(known.find((one) => one.name === name)))));
     };
     const box = el("input", { type: "text", "aria-label": `${label}, names with commas`, spellcheck: "false", onchange: take });
-    this.listen(path, () => { if (document.activeElement !== box && !hint.firstChild) box.value = (this.value(path, schema) || this.model.about.features.map(({ name }) => name)).join(", "); });
+    this.listen(path, (refused) => { if (refused || (document.activeElement !== box && !hint.firstChild)) box.value = (this.value(path, schema) || this.model.about.features.map(({ name }) => name)).join(", "); });
     const row = this.row(path, schema, label, box);
     row.append(hint, el("details", { class: "section wide" }, el("summary", {}, el("small", {}, "known features")), el("ul", { class: "known" }, ...known.map((one) => el("li", {}, ...words(one))))));
     return row;
@@ -181,7 +191,7 @@ export class Fields {
       const value = boxes.map((box) => Number((Number(box.value || 0) / factor).toPrecision(12)));
       this.send(path, value);
     } }));
-    this.listen(path, () => { const value = this.value(path, schema) || []; boxes.forEach((box, i) => { if (document.activeElement !== box) box.value = value[i] === undefined ? "" : Number((factor * value[i]).toPrecision(6)); }); });
+    this.listen(path, (refused) => { const value = this.value(path, schema) || []; boxes.forEach((box, i) => { if (refused || document.activeElement !== box) box.value = value[i] === undefined ? "" : Number((factor * value[i]).toPrecision(6)); }); });
     return this.row(path, schema, label, el("span", { class: "numbers" }, ...boxes));
   }
 
@@ -189,7 +199,7 @@ export class Fields {
     const box = el("textarea", { rows: 1, "aria-label": label, spellcheck: "false", onchange: () => {
       try { this.send(path, box.value.trim() === "" ? null : JSON.parse(box.value)); } catch (error) { this.fault(path, `${path}: found no JSON: ${error.message}`); }
     } });
-    this.listen(path, () => { if (document.activeElement !== box) { const value = this.value(path, schema); box.value = value === undefined ? "" : JSON.stringify(value); } });
+    this.listen(path, (refused) => { if (refused || document.activeElement !== box) { const value = this.value(path, schema); box.value = value === undefined ? "" : JSON.stringify(value); } });
     return this.row(path, schema, label, box);
   }
 

@@ -30,6 +30,7 @@ export class Model {
     this.listeners = new Map();
     this.rows = [];
     this.column = {};
+    this.ends = {};
     this.past = null;
   }
 
@@ -50,6 +51,7 @@ export class Model {
     this.about = about;
     this.values = about.values;
     this.waiting = about.waiting;
+    this.ends = about.ends;
     this.column = Object.fromEntries(about.rows.map((name, i) => [name, i]));
     if (!same) this.rows = [];
     this.goal = null;
@@ -58,10 +60,11 @@ export class Model {
     this.emit("values", null);
   }
 
-  values_are(values, waiting) {
+  values_are(values, waiting, ends = this.ends) {
+    this.ends = ends;
     for (const [path, value] of Object.entries(values)) put(this.values, path, value);
     this.waiting = waiting;
-    this.emit("values", Object.keys(values));
+    this.emit("values", [...Object.keys(values), ...Object.keys(ends)]);   // what is set may move the end of another one
   }
 
   now_is(head, image) {
@@ -89,7 +92,7 @@ export class Model {
     }).catch(() => {});
   }
 
-  /** Goes back to a time of some rows, { rows, column, about, t }; null: to what is now. */
+  /** Goes back to a time of some rows, { rows, column, about, t, zero }, zero: from which its time is told; null: to what is now. */
   seek(past) {
     this.past = past;
     this.emit("past", past);

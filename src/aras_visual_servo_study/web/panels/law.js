@@ -38,7 +38,8 @@ const make = (page) => {
 /** A row for each feature: its symbol, what it is, and the unit in which people read it. */
 const tableOf = (fields, path, schema, page) => {
   const table = path.split(".")[1];
-  return el("div", {}, ...Object.keys(page.model.values.servo[table]).map((name) => {
+  const names = Object.keys(page.model.values.servo[table]), all = { ...schema.additionalProperties, unit: schema.unit, description: "One gain for all features" };
+  return el("div", {}, table === "gains_per_s" && names.length > 1 ? fields.number(path, all, "all gains", names.map((name) => `${path}.${name}`)) : null, ...names.map((name) => {
     const feature = page.model.about.features.find((one) => one.name === name);
     const unit = table === "thresholds" && feature ? feature.unit : schema.unit, label = feature ? el("span", {}, symbol(feature.symbol)) : name;
     return fields.make(`${path}.${name}`, { ...schema.additionalProperties, unit, description: feature ? `${feature.label}. ${schema.description}` : schema.description }, label);
