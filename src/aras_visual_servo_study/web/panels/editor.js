@@ -4,7 +4,7 @@ import { button, download, el, folding } from "../lib/dom.js";
 const LINE = /law\.py:(\d+):?\s*/, INDENT = 4;
 
 const make = (page) => {
-  const { model } = page, { card: box, body } = folding("Law editor", true, "used from the next servo on");
+  const { model } = page, { card: box, body } = folding("Law editor", false, "a law of your own, used from the next servo on");
   if (!model.about.editor) { box.hidden = true; return box; }
   const numbers = el("pre", { class: "gutter", "aria-hidden": "true" }), told = el("p", { role: "status", id: "law-told" });
   const faults = el("div", { class: "fault", role: "alert", id: "law-faults" });
@@ -48,16 +48,17 @@ const make = (page) => {
   });
   let last = "";
   model.on("state", ({ editor }) => {
-    const now = JSON.stringify(editor || null);
+    const now = JSON.stringify([editor || null, model.state.taught]);
     if (!editor || now === last) return;
-    if (editor.faults.length) show([...editor.faults, "The servo ended. The former law is used again."]);
+    if (editor.faults.length) { box.open = true; show([...editor.faults, "The servo ended. The former law is used again."]); }
     last = now;
-    told.textContent = editor.waits ? "This law is used from the next servo on." : editor.law ? `The law ${editor.law} of this text is in use.` : "";
+    const again = model.state.taught ? "Again" : "Run all";
+    told.textContent = editor.waits ? `Accepted. Press ${again} to servo with it.` : editor.law ? `The law ${editor.law} of this text is in use. Press ${again} to servo with it.` : "";
   });
-  body.append(el("p", { class: "soft" }, "Python. A law gives the camera's twist [v; w] from the features s and their errors e. Its code runs in the program on this machine."),
+  body.append(el("p", { class: "soft" }, "Write a law in Python, press Use it, then Again. A law gives the camera's velocity from the features s and their errors e. Its code runs in the program on this machine."),
     el("div", { class: "editor" }, numbers, text), el("div", { class: "line" }, apply, save), told, faults);
   number();
   return box;
 };
 
-export const panel = { place: "controls", order: 8, make };
+export const panel = { place: "stage", order: 30, make };   // wide: a line of code has its place in it

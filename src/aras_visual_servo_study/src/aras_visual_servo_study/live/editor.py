@@ -22,9 +22,14 @@ class Mine(Law):
     works_on, needs_plane = None, True   # any features
 
     def _twist(self, look, s, e):
+        # s: the features; e: their errors, s minus s at the goal. Both have one number for each
+        # name of "features" below "Law and gains", in that order: lengths in m, angles in rad.
+        # L: change of each feature (row) per twist (column). Gains in 1/s, in the order of e.
         L = self.features.matrix(look.view)
         twist = -self.invert(L) @ (np.array(self.gains_per_s) * e)
-        return twist / max(1.0, np.linalg.norm(twist[:3]) / 0.1)   # never faster than 0.1 m/s
+        # The camera's velocity [vx, vy, vz, wx, wy, wz] in its own frame (x right, y down,
+        # z forwards), in m/s and rad/s. Here never faster than 0.1 m/s:
+        return twist / max(1.0, np.linalg.norm(twist[:3]) / 0.1)
 '''
 
 
