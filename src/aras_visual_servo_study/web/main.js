@@ -9,7 +9,8 @@ import { why } from "./lib/why.js";
 
 const model = new Model();
 const connection = new Connection(model);
-// What curves and time share: the run that is shown (null: the newest), one over it, the range, the moment of the past.
+// What curves and time share: the run that is shown (null: the newest), one over it, the range, the moment of the past. The
+// time panel adds seek(t), to a moment of what is shown, and toNow().
 const shared = { window_s: 20, from: null, to: null, paused: false, cursor: null, run: null, over: null, at: null };
 const page = { model, connection, runs: new Runs(model), shared, ask: (request) => connection.ask(request) };
 

@@ -8,6 +8,7 @@ export const bar = (page, place) => {
   const act = (request) => () => page.ask(request)
     .then(() => notice("action", ""))
     .catch((error) => { notice("action", error.message); setTimeout(() => notice("action", ""), 8000); });
+  const servo = (reference) => () => { page.shared.toNow?.(); return act({ do: "start", reference })(); };   // whoever begins a servo wants to see it
   const name = el("h1");
   const pause = button("Pause", "Let simulated time stand still, or go on (space)", () => act({ do: "pause", paused: !model.state?.paused })(), { id: "pause" });
   const step = button("Step", "One image more", act({ do: "step" }), { id: "step" });
@@ -22,8 +23,8 @@ export const bar = (page, place) => {
   try { const kept = localStorage.getItem("theme"); if (kept) document.documentElement.dataset.theme = kept; } catch { /* as above */ }
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => model.emit("theme"));
   const buttons = {
-    start: button("Run all", "Drive to the goal, teach it, drive to the start, servo", act({ do: "start", reference: "experiment" }), { class: "primary", id: "start" }),
-    servo: button("Servo from here", "Servo from where the arm is to the goal that was taught", act({ do: "start", reference: "taught" }), { id: "servo" }),
+    start: button("Run all", "Drive to the goal, teach it, drive to the start, servo", servo("experiment"), { class: "primary", id: "start" }),
+    servo: button("Servo from here", "Servo from where the arm is to the goal that was taught", servo("taught"), { id: "servo" }),
     stop: button("Stop", "Stop the arm", act({ do: "stop" }), { id: "stop" }),
     teach: button("Teach here", "This view becomes the goal", act({ do: "teach" }), { id: "teach" }),
     reset: button("Reset", "Begin anew, with the settings as they stand", act({ do: "reset" }), { id: "reset" }),

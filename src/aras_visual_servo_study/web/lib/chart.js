@@ -1,9 +1,13 @@
-// A live plot on a canvas: series over time, linear or logarithmic, with zoom, read-out, PNG and CSV.
+// A live plot on a canvas: series over time, linear or logarithmic, with zoom, read-out, a way to a moment, PNG and CSV.
 import { download, el, onPage, symbol } from "./dom.js";
 import { clamp, ticks } from "./draw.js";
 import { placeAt } from "./model.js";
 
-const LEFT = 54, RIGHT = 10, TOP = 8, BOTTOM = 24;
+const LEFT = 54, RIGHT = 10, TOP = 8, BOTTOM = 36;
+/** A logarithmic axis ends this many decades below the smallest threshold: a zero crossing must not stretch it. */
+const BELOW = 2;
+/** A pointer that has moved less than this has clicked [px]. */
+const CLICK = 6;
 
 const words = (value, step) => {
   const size = Math.max(Math.abs(value), step);
@@ -11,25 +15,31 @@ const words = (value, step) => {
   return text.replace("-", "−");
 };
 
+/** A number in a legend. */
+const short = (y) => (y === null || y === undefined ? "" : (Math.abs(y) >= 1e-3 || y === 0 ? y.toFixed(Math.abs(y) >= 100 ? 1 : 3) : y.toExponential(1)).replaceAll("-", "−"));
+
+/** A power of ten on an axis. */
+const decade = (power) => (power >= -4 && power <= 4 ? (10 ** power).toFixed(Math.max(0, -power)) : `1e${power}`.replace("-", "−"));
+
 export class Chart {
   /**
-   * spec: { title, unit, series: [{ name, label, colour, value(row) -> number | null, level }], log, low, high, lines }
-   * shared: { window_s, from, to, paused }, one for all charts; from and to are null while the newest is followed.
+   * spec: { title, unit, series: [{ name, label, colour, value(row) -> number | null, level, sign }], log, low, high, lines: [{ at, label }] }
+   * shared: { window_s, from, to, paused, seek(t) }, one for all charts; from and to are null while the newest is followed.
    */
   constructor(spec, shared, changed) {
-    Object.assign(this, { spec, shared, changed, rows: [], marks: [], over: null, hidden: new Set(), log: Boolean(spec.log), cursor: null });
-    this.canvas = el("canvas", { tabindex: 0, role: "img", "aria-label": `${spec.title} ${spec.unit} over time; the numbers are below, and in the CSV file` });
+    Object.assign(this, { spec, shared, changed, rows: [], marks: [], over: null, zero: 0, axis: "", hidden: new Set(), log: Boolean(spec.log), cursor: null });
+    this.canvas = el("canvas", { tabindex: 0, role: "img", "aria-label": `${spec.title} ${spec.unit} over time; the numbers are below, and in the CSV file`, title: "Click: go to this moment. Drag: zoom. Double click: all of it." });
     this.legend = el("div", { class: "legend" });
     this.outputs = spec.series.map((one, i) => {
-      const output = el("output");
+      const output = el("output"), other = el("output", { class: "other", hidden: true, title: "the other run, at the same time since it began" });
       const chip = el("button", { type: "button", "aria-pressed": "true", title: one.title || one.label, onclick: () => {
         if (!this.hidden.delete(i)) this.hidden.add(i);
         chip.setAttribute("aria-pressed", String(!this.hidden.has(i)));
         this.draw();
-      } }, el("i", { class: "swatch" }), ...(one.symbol ? [el("span", {}, symbol(one.symbol), one.unit)] : [one.label]), output);
+      } }, el("i", { class: "swatch" }), ...(one.symbol ? [el("span", {}, symbol(one.symbol), one.unit)] : [one.label]), output, other);
       chip.firstChild.style.background = onPage(one.colour);
       this.legend.append(chip);
-      return output;
+      return { output, other };
     });
     this.logButton = el("button", { type: "button", class: "quiet", title: "Linear or logarithmic", "aria-pressed": String(this.log), onclick: () => this.setLog(!this.log) }, "log");
     const tool = (text, title, act) => el("button", { type: "button", class: "quiet", title, onclick: act }, text);
@@ -44,8 +54,9 @@ export class Chart {
 
   recolour() { this.spec.series.forEach((one, i) => { this.legend.children[i].firstChild.style.background = onPage(one.colour); }); this.draw(); }
 
-  /** rows: of the run that is shown.  marks: its moments.  over: a run that is drawn dashed, from the same beginning on. */
-  take(rows, marks = [], over = null) { Object.assign(this, { rows, marks, over }); this.draw(); }
+  /** rows: of the run that is shown.  marks: its moments.  over: a run that is drawn dashed, from the same beginning on.  zero: where
+   * the axis begins to count [s].  axis: its name. */
+  take(rows, { marks = [], over = null, zero = 0, axis = "" } = {}) { Object.assign(this, { rows, marks, over, zero, axis }); this.draw(); }
 
   /** [from, to] in seconds that are shown. */
   range() {
@@ -64,7 +75,7 @@ export class Chart {
   others() {
     const series = this.over?.charts?.[this.spec.key], shift = this.over && this.rows.length ? this.rows[0][0] - this.over.from : 0;
     if (!series) return [];
-    return this.spec.series.flatMap((one, i) => (this.hidden.has(i) ? [] : series.filter(({ name }) => name === one.name).map(({ value }) => ({ value, rows: this.over.rows, shift, colour: one.colour }))));
+    return this.spec.series.flatMap((one, i) => (this.hidden.has(i) ? [] : series.filter(({ name }) => name === one.name).map(({ value }) => ({ i, value, rows: this.over.rows, shift, colour: one.colour }))));
   }
 
   draw() {
@@ -96,6 +107,8 @@ export class Chart {
       }
     }
     const empty = first < end && !this.spec.series.some((one, s) => !this.hidden.has(s) && this.rows.slice(first, end).some((row) => (one.value(row) ?? null) !== null));
+    const levels = spec.series.filter((one, s) => one.level && !this.hidden.has(s)).map((one) => one.level);
+    if (this.log && levels.length) { low = Math.max(low, Math.log10(Math.min(...levels)) - BELOW); high = Math.max(high, low + 1); }
     if (!(low <= high)) { low = this.log ? -3 : -1; high = this.log ? 0 : 1; }
     if (!this.log && spec.low !== undefined) { low = Math.min(low, spec.low); high = Math.max(high, spec.high); }
     const pad = Math.max(0.06 * (high - low), this.log ? 0.08 : 0.5 * (spec.least || 0) - 0.5 * (high - low), 1e-9);
@@ -109,22 +122,26 @@ export class Chart {
     pen.lineWidth = 1;
     const line = (x0, y0, x1, y1) => { pen.beginPath(); pen.moveTo(x0, y0); pen.lineTo(x1, y1); pen.stroke(); };
     pen.textAlign = "center";
-    const across = ticks(from, to, Math.max(3, w / 90));
-    for (const t of across.values) { line(X(t), TOP, X(t), h - BOTTOM); const text = `${words(t, across.step)} s`; pen.fillText(text, Math.min(X(t), w - pen.measureText(text).width / 2), h - 8); }
+    const { zero } = this, across = ticks(from - zero, to - zero, Math.max(3, w / 90));
+    for (const t of across.values) { const x = X(t + zero), text = words(t, across.step); line(x, TOP, x, h - BOTTOM); pen.fillText(text, Math.min(x, w - pen.measureText(text).width / 2), h - BOTTOM + 14); }
+    pen.fillText(this.axis, (LEFT + w - RIGHT) / 2, h - 6);
     pen.textAlign = "right";
-    let up = ticks(low, high, 4);
-    if (this.log) up = high - low > 1.6 ? { values: ticks(low, high, 4).values.map(Math.round).filter((v, i, all) => all.indexOf(v) === i && v >= low && v <= high), step: 1 } : up;
+    const up = this.log ? { values: [], step: 1 } : ticks(low, high, 4), decades = Math.floor(high) - Math.ceil(low) + 1, every = Math.max(1, Math.ceil(decades / 8));
+    if (this.log) for (let v = Math.floor(low); v <= high; v++) {
+      const within = [0, ...(decades < 3 ? [Math.log10(2), Math.log10(5)] : [])].map((part) => v + part).filter((one) => one >= low && one <= high);
+      if (v % every === 0) up.values.push(...within);
+    }
     for (const v of up.values) {
       pen.strokeStyle = !this.log && v === 0 ? colour("--axis") : colour("--line");
       line(LEFT, Y(v), w - RIGHT, Y(v));
-      pen.fillText(this.log ? (Number.isInteger(v) ? `1e${v}`.replace("-", "−") : (10 ** v).toPrecision(2)) : words(v, up.step), LEFT - 6, Y(v) + 4);
+      pen.fillText(this.log ? (Number.isInteger(v) ? decade(v) : String(Number((10 ** v).toPrecision(1)))) : words(v, up.step), LEFT - 6, Y(v) + 4);
     }
-    for (const v of this.log ? [] : spec.lines || []) { pen.strokeStyle = colour("--warn"); pen.setLineDash([5, 4]); line(LEFT, Y(v), w - RIGHT, Y(v)); pen.setLineDash([]); }
     if (empty) { pen.textAlign = "center"; pen.fillText("only while it servoes", (LEFT + w - RIGHT) / 2, (TOP + h - BOTTOM) / 2); }
     pen.save();
     pen.beginPath();
     pen.rect(LEFT, TOP - 2, w - LEFT - RIGHT, h - TOP - BOTTOM + 4);
     pen.clip();
+    this.levels(pen, colour, (v) => Y(size(v)), w);
     /** A curve through every step-th row, with gaps where a value is missing; shift: added to the time of the rows [s]. */
     const trace = (rows, value, { begin = 0, stop = rows.length, step = 1, shift = 0 }) => {
       pen.beginPath();
@@ -140,13 +157,6 @@ export class Chart {
     spec.series.forEach((one, s) => {
       if (this.hidden.has(s)) return;
       pen.strokeStyle = onPage(one.colour);
-      if (one.level) {
-        pen.globalAlpha = 0.55;
-        pen.setLineDash([4, 4]);
-        for (const level of this.log ? [size(one.level)] : [-one.level, one.level]) line(LEFT, Y(level), w, Y(level));
-        pen.setLineDash([]);
-        pen.globalAlpha = 1;
-      }
       pen.lineWidth = 1.7;
       pen.lineJoin = "round";
       trace(this.rows, one.value, { begin: first, stop: end, step: stride });
@@ -154,21 +164,22 @@ export class Chart {
     });
     for (const { value, rows, shift, colour: own } of others) {
       pen.strokeStyle = onPage(own);
-      pen.setLineDash([3, 3]);
+      pen.setLineDash([7, 4]);
       trace(rows, value, { shift });
       pen.setLineDash([]);
     }
     pen.textAlign = "left";
-    let free = LEFT;   // names of moments that would fall onto each other are left to the time line
-    for (const { t, label } of this.marks) {
+    const free = [LEFT, LEFT, LEFT];   // names of moments stand in three lanes; one that fits into none is left to the time line
+    const moments = this.marks.flatMap(({ times, label }) => times.map((t) => ({ t, label }))).sort((a, b) => a.t - b.t);
+    for (const { t, label } of moments) {
       pen.strokeStyle = pen.fillStyle = colour("--soft");
       pen.setLineDash([2, 3]);
       line(X(t), TOP, X(t), h - BOTTOM);
       pen.setLineDash([]);
-      const wide = pen.measureText(label).width, x = Math.min(X(t) + 3, w - RIGHT - wide);
-      if (x < free) continue;
-      pen.fillText(label, x, TOP + 9);
-      free = x + wide + 6;
+      const wide = pen.measureText(label).width, x = Math.min(X(t) + 3, w - RIGHT - wide), lane = free.findIndex((one) => x >= one);
+      if (lane < 0) continue;
+      pen.fillText(label, x, TOP + 9 + 12 * lane);
+      free[lane] = x + wide + 6;
     }
     pen.restore();
     if (this.shared.at !== null && this.shared.at >= from && this.shared.at <= to) {
@@ -177,12 +188,17 @@ export class Chart {
       line(X(this.shared.at), TOP, X(this.shared.at), h - BOTTOM);
       pen.lineWidth = 1;
     }
-    let row = this.rows[this.shared.at === null ? this.rows.length - 1 : placeAt(this.rows, this.shared.at)];
-    if (this.shared.cursor !== null && this.shared.cursor !== undefined && this.shared.cursor >= from && this.shared.cursor <= to) {
-      pen.strokeStyle = colour("--axis");
-      line(X(this.shared.cursor), TOP, X(this.shared.cursor), h - BOTTOM);
-      const [near] = this.inRange([this.shared.cursor, this.shared.cursor]);
-      row = this.rows[near] || row;
+    const { cursor, at } = this.shared, pointed = cursor !== null && cursor !== undefined && cursor >= from && cursor <= to;
+    const time = pointed ? cursor : at !== null ? at : this.rows.length ? this.rows[this.rows.length - 1][0] : 0;
+    const row = this.rows[placeAt(this.rows, time)], when = pointed || at !== null ? `${(time - zero).toFixed(2)} s` : "";
+    if (pointed) { pen.strokeStyle = colour("--axis"); line(X(cursor), TOP, X(cursor), h - BOTTOM); }
+    if (when && time >= from && time <= to) {   // the moment whose numbers the legend shows
+      const wide = pen.measureText(when).width + 8, x = clamp(X(time) - wide / 2, LEFT, w - wide);
+      pen.fillStyle = colour("--ink");
+      pen.fillRect(x, h - BOTTOM + 2, wide, 15);
+      pen.fillStyle = colour("--card");
+      pen.textAlign = "left";
+      pen.fillText(when, x + 4, h - BOTTOM + 14);
     }
     if (this.selecting) {
       pen.fillStyle = colour("--accent");
@@ -190,10 +206,39 @@ export class Chart {
       pen.fillRect(Math.min(...this.selecting), TOP, Math.abs(this.selecting[1] - this.selecting[0]), h - TOP - BOTTOM);
       pen.globalAlpha = 1;
     }
-    this.outputs.forEach((output, i) => {
-      const y = row ? spec.series[i].value(row) : null;
-      output.textContent = y === null || y === undefined ? "" : Math.abs(y) >= 1e-3 || y === 0 ? y.toFixed(Math.abs(y) >= 100 ? 1 : 3).replace("-", "−") : y.toExponential(1).replace("-", "−");
+    this.outputs.forEach(({ output, other }, i) => {
+      output.textContent = row ? short(spec.series[i].value(row)) : "";
+      const found = others.find((one) => one.i === i), there = found && found.rows[placeAt(found.rows, time - found.shift)];
+      other.hidden = !found;
+      other.textContent = found ? `┄ ${short(found.value(there))}` : "";
     });
+  }
+
+  /** Thresholds and limits: dotted, with a name at their right end, so that nobody takes them for a curve. */
+  levels(pen, colour, Y, w) {
+    const { spec } = this, found = this.log ? [] : (spec.lines || []).map(({ at, label }) => ({ at, label, ink: colour("--warn") }));
+    spec.series.forEach((one, s) => {
+      if (!one.level || this.hidden.has(s)) return;
+      for (const at of this.log ? [one.level] : [-one.level, one.level]) {
+        const same = found.find((other) => other.at === at);
+        if (same) { same.label += same.label && `, ${one.sign}`; same.ink = colour("--soft"); } else found.push({ at, label: at > 0 ? `threshold ${one.sign}` : "", ink: onPage(one.colour) });
+      }
+    });
+    const placed = [];
+    pen.textAlign = "right";
+    for (const { at, label, ink } of found) {
+      const y = Y(at);
+      pen.strokeStyle = pen.fillStyle = ink;
+      pen.setLineDash([1.5, 3.5]);
+      pen.beginPath();
+      pen.moveTo(LEFT, y);
+      pen.lineTo(w - RIGHT, y);
+      pen.stroke();
+      pen.setLineDash([]);
+      if (!label || placed.some((other) => Math.abs(other - y) < 12)) continue;
+      placed.push(y);
+      if (spec.lines) pen.fillText(label, (LEFT + w - RIGHT) / 2, y + (at > 0 ? 11 : -4)); else pen.fillText(label, w - RIGHT - 2, y - 3);
+    }
   }
 
   listen() {
@@ -202,17 +247,20 @@ export class Chart {
     const look = (from, to) => { if (to - from < 0.02) return; shared.from = from; shared.to = to; this.changed(); };
     canvas.addEventListener("pointermove", (event) => {
       if (this.begun === undefined) { shared.cursor = time(at(event)); this.changed(); return; }
+      this.moved = Math.max(this.moved, Math.abs(at(event) - this.pressed));
       if (event.shiftKey || event.pointerType === "touch") {
+        if (this.moved < CLICK) return;
         const d = time(this.begun) - time(at(event));
         this.begun = at(event);
         look(this.from + d, this.to + d);
       } else { this.selecting = [this.begun, Math.max(LEFT, Math.min(this.w - RIGHT, at(event)))]; this.draw(); }
     });
-    canvas.addEventListener("pointerdown", (event) => { this.begun = Math.max(LEFT, at(event)); canvas.setPointerCapture(event.pointerId); });
+    canvas.addEventListener("pointerdown", (event) => { this.begun = this.pressed = Math.max(LEFT, at(event)); this.moved = 0; canvas.setPointerCapture(event.pointerId); });
     canvas.addEventListener("pointerup", () => {
-      const chosen = this.selecting;
+      const chosen = this.selecting, clicked = this.begun !== undefined && this.moved < CLICK;
+      if (clicked) shared.seek?.(time(Math.min(this.pressed, this.w - RIGHT)));
       this.begun = this.selecting = undefined;
-      if (chosen && Math.abs(chosen[1] - chosen[0]) > 6) look(...[time(chosen[0]), time(chosen[1])].sort((a, b) => a - b));
+      if (chosen && !clicked) look(...[time(chosen[0]), time(chosen[1])].sort((a, b) => a - b));
       this.draw();
     });
     canvas.addEventListener("pointercancel", () => { this.begun = this.selecting = undefined; });

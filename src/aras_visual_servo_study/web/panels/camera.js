@@ -101,7 +101,7 @@ const make = (page) => {
   model.on("image", ({ marks }) => { if (marks) remember(marks); });
   model.on("picture", (picture) => { shown = picture; draw(); });
   model.on("past", (past) => {
-    caption.textContent = past ? `at ${past.t.toFixed(2)} s` : "live";
+    caption.textContent = past ? `at ${(past.t - past.zero).toFixed(2)} s` : "live";
     if (!past) return;
     const { u, v } = past.column, end = placeAt(past.rows, past.t) + 1;
     trail = past.rows.slice(Math.max(0, end - MOST), end).map((row) => (row[u] === null ? null : [row[u], row[v]]));

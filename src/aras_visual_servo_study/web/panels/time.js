@@ -7,13 +7,13 @@ const PLAY_MS = 40;
 
 const make = (page) => {
   const { model, runs, shared } = page, { card: box, head, body } = card("Time", "time");
-  const act = (work) => () => work().then(() => notice("again", "")).catch((error) => { notice("again", error.message); setTimeout(() => notice("again", ""), 8000); });
+  const act = (work) => () => { shared.toNow(); return work().then(() => notice("again", "")).catch((error) => { notice("again", error.message); setTimeout(() => notice("again", ""), 8000); }); };
   const slider = el("input", { type: "range", id: "time", min: 0, max: 1, step: 0.01, "aria-label": "time in seconds: go back to a moment of the session" });
-  const ticks = el("div", { class: "ticks", "aria-hidden": "true" }), output = el("output", { id: "time-at" }), marks = el("div", { class: "marks" });
+  const ticks = el("div", { class: "ticks", "aria-hidden": "true" }), output = el("output", { id: "time-at" }), unit = el("small", { id: "time-unit" }), marks = el("div", { class: "marks" });
   const play = button("▶", "Play what is selected again", () => (playing ? stop() : begin()), { id: "play", "aria-label": "play" });
-  const live = button("Live", "Back to what is now", () => { stop(); model.seek(null); }, { id: "live-now" });
-  const which = el("select", { id: "run", "aria-label": "what the slider and the curves show", onchange: () => { stop(); select(found(which.value)); if (model.past) seek(span()[0]); } });
-  const over = el("select", { id: "over", "aria-label": "run that is drawn over it, dashed", onchange: () => { shared.over = found(over.value); page.redraw?.(); } });
+  const live = button("Live", "Back to what is now", () => shared.toNow(), { id: "live-now" });
+  const which = el("select", { id: "run", "aria-label": "what the slider and the curves show", onchange: () => { stop(); const { past } = model; select(found(which.value)); if (past) seek(span()[0]); } });
+  const over = el("select", { id: "over", "aria-label": "run to compare with, drawn dashed", onchange: () => { shared.over = found(over.value); page.redraw?.(); } });
   const again = button("Again", "Drive to the start and servo to the goal that was taught", act(() => page.ask({ do: "again" })), { id: "again" });
   const another = button("Another start", "The same from a start drawn at random, which stays in the settings", act(async () => {
     const { start } = await page.ask({ do: "draw_start" });
@@ -22,14 +22,17 @@ const make = (page) => {
   }), { id: "another" });
   const slow = button("Again, 0.1 ×", "The same, and the servo at a tenth of the pace", act(async () => { await page.ask({ do: "again" }); pace = "waits"; }), { id: "slow" });
   head.append(el("span", { class: "tools" }, again, another, slow));
-  body.append(el("div", { class: "scrub" }, play, el("div", { class: "track" }, slider, ticks), output, live), marks,
-    el("div", { class: "choose" }, el("label", {}, el("span", {}, "show"), which), el("label", {}, el("span", {}, "over it"), over)));
+  body.append(el("div", { class: "scrub" }, play, el("div", { class: "track" }, slider, ticks), output, live), unit, marks,
+    el("div", { class: "choose" }, el("label", {}, el("span", {}, "show"), which), el("label", {}, el("span", {}, "compare with"), over)));
 
   const found = (value) => runs.all.find((run) => String(run.number) === value) || null;
   /** What is shown: a run, or the whole time line. */
   const source = () => (shared.run ? shared.run : { rows: model.rows, column: model.column, about: model.about });
+  /** Where the times of what is shown begin to count: at its servo, or with simulated time. */
+  const zero = () => (shared.run ? shared.run.from : 0);
   const span = () => { const { rows } = source(); return rows.length ? [rows[0][0], rows[rows.length - 1][0]] : [0, 0]; };
-  const seek = (t) => { const { rows, column, about } = source(); if (rows.length) model.seek({ rows, column, about, t }); };
+  const seek = (t) => { const { rows, column, about } = source(); if (rows.length) model.seek({ rows, column, about, t, zero: zero() }); };
+  shared.seek = (t) => { const [from, to] = span(); stop(); seek(Math.max(from, Math.min(to, t))); };
   const select = (run) => { shared.run = run; shared.from = shared.to = null; list(); page.redraw?.(); };
 
   let playing = 0, pace = "";
@@ -40,6 +43,7 @@ const make = (page) => {
     play.setAttribute("aria-label", "stop playing");
     playing = setInterval(() => { const t = at + 1e-3 * (performance.now() - since); seek(Math.min(t, to)); if (t >= to) stop(); }, PLAY_MS);
   };
+  shared.toNow = () => { stop(); if (model.past) model.seek(null); };
   slider.oninput = () => { stop(); seek(Number(slider.value)); };
 
   let ticked = "";
@@ -49,20 +53,25 @@ const make = (page) => {
     slider.max = Math.max(to, from + 0.01);
     slider.value = past ? past.t : to;
     const at = past ? past.t : to;
-    output.textContent = past ? `${at.toFixed(2)} s` : `${at.toFixed(2)} s, now`;
+    output.textContent = `${(at - zero()).toFixed(2)} s${past ? "" : shared.run ? ", end of run" : ", now"}`;
     slider.setAttribute("aria-valuetext", output.textContent);
+    unit.textContent = shared.run ? "s since the servo began" : "s of simulated time";
     live.disabled = !past;
     box.classList.toggle("past", Boolean(past));
     const moments = runs.all.filter((run) => (shared.run ? run === shared.run : !run.left)).flatMap((run) => run.marks);
-    const now = [from, (to - from).toFixed(shared.run ? 2 : 0), moments.length, shared.run?.number].join();
+    const now = [from, (to - from).toFixed(shared.run ? 2 : 0), moments.length, moments.reduce((sum, { times }) => sum + times.length, 0), shared.run?.number].join();
     if (now === ticked) return;
     ticked = now;
-    ticks.replaceChildren(...moments.map(({ t, kind }) => {
-      const tick = el("i", { class: kind === "began" ? "busy" : statusKind(kind) });
+    const look = (kind) => (kind === "began" ? "busy" : statusKind(kind));
+    ticks.replaceChildren(...moments.flatMap(({ times, kind }) => times.map((t) => {
+      const tick = el("i", { class: look(kind) });
       tick.style.left = `${100 * (t - from) / Math.max(to - from, 1e-9)}%`;
       return tick;
-    }));
-    marks.replaceChildren(...moments.slice(-8).map(({ t, kind, label }) => button(`${label} ${t.toFixed(2)} s`, "Go to this moment", () => { stop(); seek(t); }, { class: `quiet ${kind === "began" ? "busy" : statusKind(kind)}`, "data-kind": kind })));
+    })));
+    // A moment that came several times is one button, which goes from one to the next.
+    marks.replaceChildren(...(shared.run ? moments : moments.slice(-8)).map(({ t, times, kind, label }) => button(
+      `${label} ${(t - zero()).toFixed(2)} s${times.length > 1 ? `, ${times.length} times` : ""}`, times.length > 1 ? `Go to the next: ${times.map((one) => (one - zero()).toFixed(2)).join(", ")} s` : "Go to this moment",
+      () => shared.seek(times.find((one) => model.past && one > model.past.t + 1e-6) ?? t), { class: `quiet ${look(kind)}`, "data-kind": kind })));
   };
   const list = () => {
     const options = (first, mine) => [el("option", { value: "" }, first), ...runs.all.filter((run) => run !== mine).map((run) => el("option", { value: run.number }, runs.name(run))).reverse()];
