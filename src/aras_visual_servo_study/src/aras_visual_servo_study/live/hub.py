@@ -81,6 +81,7 @@ class Hub:
                 self.tell(self._about_message())
                 for viewer in self._viewers:
                     viewer.next_row = 0 if not runner.rows else min(viewer.next_row, runner.rows[-1][0] + 1)
+                self._goal = None  # a page forgets the goal with what it knew: it is sent again
             self._about = about["version"]
         sample = runner.sample
         if sample is None or sample.number == self._number:
