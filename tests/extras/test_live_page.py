@@ -24,7 +24,7 @@ def test_axe_finds_nothing_at_any_width(tmp_path):
         with Browser(tmp_path) as browser:
             browser.open(process.stdout.readline().split()[-1])
             browser.wait("document.body.classList.contains('ready') && aras.shared.run?.ended")
-            browser.value("document.querySelectorAll('#controls details').forEach((one) => { one.open = true; }); 1")
+            browser.value("document.querySelectorAll('details').forEach((one) => { one.open = true; }); 1")
             browser.value("document.querySelector('#law-text').value = 'x = ('; 1")
             browser.click("#law-apply")  # with a fault and its line
             browser.wait("document.querySelector('[data-line]')")

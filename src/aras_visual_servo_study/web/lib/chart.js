@@ -126,7 +126,7 @@ export class Chart {
     for (const t of across.values) { const x = X(t + zero), text = words(t, across.step); line(x, TOP, x, h - BOTTOM); pen.fillText(text, Math.min(x, w - pen.measureText(text).width / 2), h - BOTTOM + 14); }
     pen.fillText(this.axis, (LEFT + w - RIGHT) / 2, h - 6);
     pen.textAlign = "right";
-    const up = this.log ? { values: [], step: 1 } : ticks(low, high, 4), decades = Math.floor(high) - Math.ceil(low) + 1, every = Math.max(1, Math.ceil(decades / 8));
+    const up = this.log ? { values: [], step: 1 } : ticks(low, high, 5), decades = Math.floor(high) - Math.ceil(low) + 1, every = Math.max(1, Math.ceil(decades / 8));
     if (this.log) for (let v = Math.floor(low); v <= high; v++) {
       const within = [0, ...(decades < 3 ? [Math.log10(2), Math.log10(5)] : [])].map((part) => v + part).filter((one) => one >= low && one <= high);
       if (v % every === 0) up.values.push(...within);
@@ -170,12 +170,13 @@ export class Chart {
     }
     pen.textAlign = "left";
     const free = [LEFT, LEFT, LEFT];   // names of moments stand in three lanes; one that fits into none is left to the time line
-    const moments = this.marks.flatMap(({ times, label }) => times.map((t) => ({ t, label }))).sort((a, b) => a.t - b.t);
+    const moments = this.marks.flatMap(({ times, label }) => times.map((t, i) => ({ t, label: i ? "" : label }))).sort((a, b) => a.t - b.t);
     for (const { t, label } of moments) {
       pen.strokeStyle = pen.fillStyle = colour("--soft");
       pen.setLineDash([2, 3]);
       line(X(t), TOP, X(t), h - BOTTOM);
       pen.setLineDash([]);
+      if (!label) continue;   // it came before
       const wide = pen.measureText(label).width, x = Math.min(X(t) + 3, w - RIGHT - wide), lane = free.findIndex((one) => x >= one);
       if (lane < 0) continue;
       pen.fillText(label, x, TOP + 9 + 12 * lane);
@@ -237,7 +238,7 @@ export class Chart {
       pen.setLineDash([]);
       if (!label || placed.some((other) => Math.abs(other - y) < 12)) continue;
       placed.push(y);
-      if (spec.lines) pen.fillText(label, (LEFT + w - RIGHT) / 2, y + (at > 0 ? 11 : -4)); else pen.fillText(label, w - RIGHT - 2, y - 3);
+      if (spec.lines) pen.fillText(label, LEFT + 4 + pen.measureText(label).width, y + (at > 0 ? 11 : -4)); else pen.fillText(label, w - RIGHT - 2, y - 3);
     }
   }
 

@@ -60,7 +60,7 @@ export class Fields {
       const sent = pending.value;
       let refused = false;
       this.page.ask({ do: "set", values: Object.fromEntries(paths.map((one) => [one, sent])) })
-        .then(() => notice(path, ""), (error) => { refused = true; this.fault(path, error.message); })
+        .then(() => notice(path, ""), (error) => { refused = true; this.fault(path, paths.length > 1 ? error.faults?.[0] || error.message : error.message); })
         .finally(() => { pending.flying = false; if (pending.value !== sent) this.send(path, pending.value, paths); else this.refresh([path], refused); });
     }, pending.last && performance.now() - pending.last < SEND_MS ? SEND_MS : 0);
     pending.last = performance.now();
@@ -125,8 +125,8 @@ export class Fields {
     const write = (value) => { box.value = short(factor * value, schema); slider.setAttribute("aria-valuetext", `${box.value} ${unit}`); };
     const show = (refused) => {
       const value = common() ?? null;
-      if (held || (!refused && (this.sending(path) || document.activeElement === box))) return;
-      if (value === null) box.value = ""; else write(value);
+      if (held || (!refused && this.sending(path))) return;
+      if (refused || document.activeElement !== box) { if (value === null) box.value = ""; else write(value); }
       scale = scaleNow(value ?? this.value(paths[0], schema));
       slider.value = value === null && paths.length === 1 ? 0 : scale.to(value ?? this.value(paths[0], schema));
     };

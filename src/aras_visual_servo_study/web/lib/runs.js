@@ -92,7 +92,7 @@ export class Runs {
     run.status = status;
     this.limits(row);
     const limited = row[column.limited] === null ? "" : about.joints[row[column.limited]].name;
-    const told = status === "JOINT_LIMIT" ? `${limited && !run.at.has(limited) ? `${limited}: slowed before its limit` : ""}` : MARKED[status] || "";
+    const told = status !== "JOINT_LIMIT" ? MARKED[status] || "" : !limited ? "held back by limits" : run.at.has(limited) ? "" : `${limited}: slowed before its limit`;
     if (servo && told && told !== run.told) this.mark(row[0], status, told);
     run.told = told;
     if (servo) return;

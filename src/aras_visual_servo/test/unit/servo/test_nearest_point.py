@@ -9,6 +9,7 @@ from toy_plant import pose_error
 
 from aras_visual_servo import ParameterError, Servo, Status
 from aras_visual_servo.arm.nearest import nearest
+from aras_visual_servo.servo.nearest_point import direction
 
 THRESHOLDS = {"xn": 0.0001, "yn": 0.0002, "an": 0.0001, "alpha": 0.0003}
 #: Images that the arm may take to rest, and to end: 5 s and `rest_s` more.
@@ -92,3 +93,11 @@ def test_a_goal_that_is_followed_does_not_end():
 def test_it_is_refused_where_the_arm_moves_to_positions():
     with pytest.raises(ParameterError, match="servo.out_of_reach|out_of_reach: found"):
         Servo(bench_of(FAR).arm, config(mode="look_then_move", out_of_reach={}))
+
+
+@pytest.mark.parametrize("twist, words", [
+    ([-0.1, 0.0, 0.2, 0.0, 0.0, 0.0], "forwards and to the left"), ([0.0, -0.1, 0.0, 0.1, 0.0, 0.0], "up and by a turn up"),
+    ([0.1, 0.1, -0.01, 0.0, 0.0, 0.0], "to the right and down"), ([0.0, 0.0, 0.0, 0.0, -0.1, 0.0], "by a turn to the left"),
+    ([0.0, 0.0, 0.0, 0.0, 0.0, 0.1], "by a roll clockwise")])
+def test_a_direction_is_told_as_seen_in_the_image(twist, words):
+    assert direction(np.array(twist)) == words

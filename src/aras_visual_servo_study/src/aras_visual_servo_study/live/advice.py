@@ -27,9 +27,8 @@ TOLD = 0.4
 
 
 class Seen(NamedTuple):
-    """Where the target was seen last: t_s [s], u, v [px]."""
+    """Where the target was seen last: u, v [px]."""
 
-    t_s: float
     u: float
     v: float
 
@@ -56,10 +55,10 @@ class Moment:
 def _last_seen(moment: Moment) -> str:
     if moment.seen is None:
         return "It was not seen since the goal was taught"
-    t_s, u, v = moment.seen
+    u, v = moment.seen
     across, down = (names[min(2, max(0, int(3 * at / most)))] for names, at, most in zip(SIDES, (u, v), moment.size))
     where = " ".join(filter(None, (down, across))) or "middle"
-    return f"It was last seen at {t_s:.2f} s, at the {where} of the image (pixel {u:.0f}, {v:.0f})"
+    return f"It was last seen at the {where} of the image (pixel {u:.0f}, {v:.0f})"
 
 
 def _way_out(moment: Moment) -> str:
@@ -83,7 +82,7 @@ def _way_back(moment: Moment) -> str:
     across, down = X[0, 3], X[1, 3]
     most = float(np.linalg.norm(X[:3, 3]))
     if most > MOVED_M:
-        words = [name for way, name in ((across, "right" if across > 0.0 else "left"), (down, "down" if down > 0.0 else "up"))
+        words = [name for way, name in ((across, f"to the {'right' if across > 0.0 else 'left'}"), (down, "down" if down > 0.0 else "up"))
                  if abs(way) > TOLD * most]
         where = f" {' and '.join(words)} in the camera's image" if words else ""
         return f"Drag the target back{where}, to where its plane is green"
@@ -92,10 +91,17 @@ def _way_back(moment: Moment) -> str:
     return "Drag the target to where its plane is green"
 
 
-def limit_joint(text: str) -> str:
-    """Returns the joint that a reason names as being held back by its limit, "" where it names none."""
+def limit_joint(status: Status, text: str) -> str:
+    """Returns the joint that a reason names as held back by its limit, "" where it names none."""
     found = re.search(AT_LIMIT, text)
-    return "" if found is None else found["joint"] or found["joints"].partition(", ")[0].strip()
+    if found is None and status == Status.JOINT_LIMIT:
+        found = re.search(JOINT, text)
+    if found is None:
+        return ""
+    words = found.groupdict()
+    first = words["joint"] or words["joints"].partition(", ")[0].strip()
+    named = re.search(JOINT, first)
+    return first if named is None else named["joint"]
 
 
 #: Name in a text of the table -> function that finds it in the run.
@@ -158,7 +164,7 @@ def advice(moment: Moment) -> Tuple[str, str]:
             continue
         words = {key: value for key, value in found.groupdict().items() if value}
         if "joints" in words:
-            words["joint"] = limit_joint(moment.text)
+            words["joint"] = limit_joint(moment.status, moment.text)
         words.update({name: fact(moment) for name, fact in FACTS.items() if "{" + name + "}" in text})
         return kind, text.format(**words)
     return "", ""

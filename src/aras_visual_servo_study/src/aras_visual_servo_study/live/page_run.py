@@ -122,16 +122,16 @@ class PageRun:
         """
         record, centre = self.record, self.marks()["centre"]
         if centre is not None:
-            self._seen = Seen(record.stamp_ns * 1e-9, *centre)
+            self._seen = Seen(*centre)
         numbers = [record.stamp_ns * 1e-9, *record.e, *record.twist, *record.q, record.cond_l, record.manipulability,
                    real_time_factor]
         poses = pose_numbers(self.X_WC) or NO_POSE, pose_numbers(self.target_pose()) or NO_POSE
         return [*(rounded(x) for x in numbers), *poses[0], *poses[1],
                 *(centre or (None, None)), self.images, int(record.status), int(record.phase == "servo"),
-                self._limited(record.status_text)]
+                self._limited(record)]
 
-    def _limited(self, text: str) -> Optional[int]:
-        name, names = limit_joint(text), self.kinematics.joint_names
+    def _limited(self, record: ServoRecord) -> Optional[int]:
+        name, names = limit_joint(record.status, record.status_text), self.kinematics.joint_names
         return names.index(name) if name in names else None
 
     def state(self) -> Dict[str, Any]:

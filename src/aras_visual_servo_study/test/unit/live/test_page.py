@@ -161,6 +161,9 @@ def test_a_page_that_is_reloaded_goes_on_where_the_run_is(serve, tmp_path):
         t = browser.value("aras.model.state.t")
         browser.call("Page.reload")
         browser.wait(f"{READY} && aras.model.state.t > {t} && aras.model.rows[0][0] < {t} && aras.model.goal")
+        # A page that is told of another law still has the goal.
+        browser.value("aras.ask({do: 'set', values: {'servo.law': 'ibvs'}}).then(() => 1)")
+        browser.wait("aras.model.about.values.servo.law === 'ibvs' && aras.model.goal")
         with Browser(tmp_path / "second") as second:
             second.open(address)
             second.wait(READY + " && aras.model.viewers === 2")
