@@ -219,7 +219,7 @@ class NearestPoint:
 
 
 def direction(twist: np.ndarray) -> str:
-    """Returns the components of a twist, (6,), that count most, in words as seen in the camera's image, largest first."""
+    """Returns the components of a twist, (6,), that count most, as seen in the camera's image, largest first."""
     sizes = [abs(value) * weight for value, weight in zip(twist.tolist(), WEIGHTS.tolist())]
     order = sorted(range(6), key=lambda i: -sizes[i])
     return " and ".join(MOTIONS[i][int(twist[i] > 0.0)] for i in order if sizes[i] >= NAMED * max(sizes))

@@ -96,8 +96,10 @@ def test_it_is_refused_where_the_arm_moves_to_positions():
 
 
 @pytest.mark.parametrize("twist, words", [
-    ([-0.1, 0.0, 0.2, 0.0, 0.0, 0.0], "forwards and to the left"), ([0.0, -0.1, 0.0, 0.1, 0.0, 0.0], "up and by a turn up"),
-    ([0.1, 0.1, -0.01, 0.0, 0.0, 0.0], "to the right and down"), ([0.0, 0.0, 0.0, 0.0, -0.1, 0.0], "by a turn to the left"),
+    ([-0.1, 0.0, 0.2, 0.0, 0.0, 0.0], "forwards and to the left"),
+    ([0.0, -0.1, 0.0, 0.1, 0.0, 0.0], "up and by a turn up"),
+    ([0.1, 0.1, -0.01, 0.0, 0.0, 0.0], "to the right and down"),
+    ([0.0, 0.0, 0.0, 0.0, -0.1, 0.0], "by a turn to the left"),
     ([0.0, 0.0, 0.0, 0.0, 0.0, 0.1], "by a roll clockwise")])
 def test_a_direction_is_told_as_seen_in_the_image(twist, words):
     assert direction(np.array(twist)) == words

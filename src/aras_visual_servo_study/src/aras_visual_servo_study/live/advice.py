@@ -82,8 +82,8 @@ def _way_back(moment: Moment) -> str:
     across, down = X[0, 3], X[1, 3]
     most = float(np.linalg.norm(X[:3, 3]))
     if most > MOVED_M:
-        words = [name for way, name in ((across, f"to the {'right' if across > 0.0 else 'left'}"), (down, "down" if down > 0.0 else "up"))
-                 if abs(way) > TOLD * most]
+        ways = (across, "to the right" if across > 0.0 else "to the left"), (down, "down" if down > 0.0 else "up")
+        words = [name for way, name in ways if abs(way) > TOLD * most]
         where = f" {' and '.join(words)} in the camera's image" if words else ""
         return f"Drag the target back{where}, to where its plane is green"
     if spatial.rotation_angle(X[:3, :3]) > MOVED_RAD:
@@ -105,8 +105,8 @@ def limit_joint(status: Status, text: str) -> str:
 
 
 #: Name in a text of the table -> function that finds it in the run.
-FACTS: Dict[str, Callable[[Moment], str]] = {"last_seen": _last_seen, "way_out": _way_out,
-                                              "way_back": _way_back}
+FACTS: Dict[str, Callable[[Moment], str]] = {
+    "last_seen": _last_seen, "way_out": _way_out, "way_back": _way_back}
 
 JOINT = r"joint '(?P<joint>[^']+)'"
 AT_LIMIT = rf"{JOINT} at its limit|at their limits, the others go on: (?P<joints>[^;)]+)"

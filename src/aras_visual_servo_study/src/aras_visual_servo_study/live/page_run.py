@@ -128,10 +128,12 @@ class PageRun:
         poses = pose_numbers(self.X_WC) or NO_POSE, pose_numbers(self.target_pose()) or NO_POSE
         return [*(rounded(x) for x in numbers), *poses[0], *poses[1],
                 *(centre or (None, None)), self.images, int(record.status), int(record.phase == "servo"),
-                self._limited(record)]
+                self._limited()]
 
-    def _limited(self, record: ServoRecord) -> Optional[int]:
-        name, names = limit_joint(record.status, record.status_text), self.kinematics.joint_names
+    def _limited(self) -> Optional[int]:
+        assert self.record is not None
+        names = self.kinematics.joint_names
+        name = limit_joint(self.record.status, self.record.status_text)
         return names.index(name) if name in names else None
 
     def state(self) -> Dict[str, Any]:
@@ -154,8 +156,8 @@ class PageRun:
         return {"status": status.name, "text": text, "kind": kind, "advice": now}
 
     def _away(self) -> Optional[np.ndarray]:
-        """(4, 4): motion that brings the target back to where it was taught, in the camera's frame: its translation is the
-        way of its origin. None without a target, or before a goal was taught."""
+        """(4, 4): what brings the target back to where it was taught, in the camera's frame: the way of its origin, and
+        its turn. None without a target, or before a goal was taught."""
         X_WT = self.target_pose()
         if self._view is None or X_WT is None:
             return None

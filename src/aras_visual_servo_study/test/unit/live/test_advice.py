@@ -49,7 +49,8 @@ def test_a_lost_target_is_told_with_where_it_was_seen():
 
 @pytest.mark.parametrize("way, turn, named", [
     ((0.0, -0.1, 0.02), 0.0, "back up in"), ((0.1, 0.09, 0.0), 0.0, "back to the right and down in"),
-    ((0.0, 0.0, 0.1), 0.0, "back, to where"), ((0.0, 0.0, 0.0), 0.3, "ring"), ((0.0, 0.0, 0.0), 0.0, "to where its plane")])
+    ((0.0, 0.0, 0.1), 0.0, "back, to where"),
+    ((0.0, 0.0, 0.0), 0.3, "ring"), ((0.0, 0.0, 0.0), 0.0, "to where its plane")])
 def test_a_target_out_of_reach_is_dragged_back_on_its_plane(way, turn, named):
     away_C = spatial.pose_from_rpy(way, (0.0, 0.0, turn))
     assert named in advice(Moment(Status.OUT_OF_REACH, REACH, "servo", ARM, np.zeros(6), (320, 240), None, away_C))[1]

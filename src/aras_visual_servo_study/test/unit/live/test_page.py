@@ -228,7 +228,8 @@ def test_words_units_and_laws_that_need_other_features(serve, tmp_path):
         places = [slide(browser, "servo.gains_per_s.yn", share) for share in (1.0, 0.5, 0.0, 0.5)]
         assert places[0] > 30.0 * places[1] > 900.0 * places[2] and places[1] == places[3]
         browser.wait(f"aras.model.values.servo.gains_per_s.yn === {places[3]}")
-        assert browser.value("document.querySelector('[data-path=\"servo.gains_per_s\"] input[type=number]').value") == ""
+        shared = "document.querySelector('[data-path=\"servo.gains_per_s\"] input[type=number]').value"
+        assert browser.value(shared) == ""
         every = slide(browser, "servo.gains_per_s", 0.4)
         browser.wait(f"Object.values(aras.model.values.servo.gains_per_s).every((one) => one === {every})")
         change("servo.features", "input", "xn, yn, an, alfa")
@@ -283,7 +284,8 @@ def test_time_goes_back_and_two_runs_lie_over_one_another(serve, tmp_path):
         box = browser.value("(() => { const b = aras.charts[0].canvas; b.scrollIntoView({block: 'center'}); const c = "
                             "b.getBoundingClientRect(); return [c.x + 0.4 * c.width, c.y + 40, 0.4 * c.width]; })()")
         browser.drag(box[:2], box[:2], steps=1)
-        there = browser.value("((c, x) => c.from + (x - 54) / (c.w - 64) * (c.to - c.from))(aras.charts[0], " + f"{box[2]})")
+        there = browser.value("((c, x) => c.from + (x - 54) / (c.w - 64) * (c.to - c.from))(aras.charts[0], "
+                              f"{box[2]})")
         browser.wait(f"Math.abs(aras.shared.at - {there}) < 0.02")
         # Runs are named by what differs between them, and by law and gain.
         names = browser.value("aras.runs.all.map((run) => aras.runs.words(run))")
@@ -367,7 +369,8 @@ LIMITS = """(() => {
   Object.assign(model, { listeners: new Map(), state: { t: 9, factor: 1 } });
   const runs = new aras.runs.constructor(model), joint = about.joints[1], row = (t, changes) => {
     const one = about.rows.map(() => 0);
-    for (const [name, value] of Object.entries({ t, limited: null, status: about.statuses.indexOf('SERVOING'), ...changes }))
+    const servoing = { t, limited: null, status: about.statuses.indexOf('SERVOING') };
+    for (const [name, value] of Object.entries({ ...servoing, ...changes }))
       one[column[name]] = value;
     return one;
   };
@@ -392,14 +395,15 @@ def test_joints_at_their_limits_refused_values_and_their_ends(serve, tmp_path):
         browser.value("document.querySelectorAll('#controls details').forEach((one) => { one.open = true; }); 1")
         path = "sim.cameras.0.latency_s"
         assert slide(browser, path, 1.0) == 0.1646
-        browser.wait(f"aras.model.values.sim.cameras[0].latency_s === 0.1646")
+        browser.wait("aras.model.values.sim.cameras[0].latency_s === 0.1646")
         browser.value("aras.ask({do: 'set', values: {'servo.input_timeout_s': 0.4}}).then(() => 1)")
         assert slide(browser, path, 1.0) == 0.3646
         assert slide(browser, "sim.cameras.0.noise_stddev", 1.0) == 100.0
         # What is refused is taken back, and nothing moves under the hand.
-        browser.value("(() => { const box = document.querySelector('[data-path=\"servo.gains_per_s.xn\"] input[type=number]'); "
-                      "window.box = box; box.scrollIntoView({block: 'center'}); window.y = box.getBoundingClientRect().y; "
-                      "box.focus(); box.value = '-1'; box.dispatchEvent(new Event('change')); return 1; })()")
+        gain = "document.querySelector('[data-path=\"servo.gains_per_s.xn\"] input[type=number]')"
+        browser.value(f"(() => {{ const box = {gain}; window.box = box; box.scrollIntoView({{block: 'center'}}); "
+                      "window.y = box.getBoundingClientRect().y; box.focus(); box.value = '-1'; "
+                      "box.dispatchEvent(new Event('change')); return 1; })()")
         browser.wait("!document.querySelector('#notice').hidden && box.value === '3'")
         assert browser.value("document.activeElement === box && box.getBoundingClientRect().y === y")
         assert browser.said == []
