@@ -16,6 +16,7 @@ import yaml
 from . import complete
 from ..config.plugins import described, load_plugins, code_place, placed
 from ..ground.errors import ArasError, ParameterError
+from ..ground.extras import DEBIAN_PACKAGES
 from ..processes import Interrupted, signals_raise
 
 PROGRAM = "aras-servo"
@@ -90,7 +91,9 @@ def guarded(work: Callable[[], int]) -> int:
         place, expected = code_place(error), isinstance(error, (ArasError, ImportError, RuntimeError, OSError))
         if not (place or expected):
             raise
-        print(f"error: {f'{place}{error}' if expected else described(error)}", file=sys.stderr)
+        package = DEBIAN_PACKAGES.get(getattr(error, "name", None) or "")
+        print(f"error: {f'{place}{error}' if expected else described(error)}"
+              + (f"; `apt install {package}` installs it" if package else ""), file=sys.stderr)
         return EXIT_BROKEN
 
 

@@ -9,6 +9,8 @@ from types import ModuleType
 from .errors import ArasError
 
 FOLDER = Path("build") / "extras"
+#: module -> the package of Debian that has it, of those that the package aras-visual-servo only suggests
+DEBIAN_PACKAGES = {"cv2": "python3-opencv", "dask": "python3-distributed", "distributed": "python3-distributed"}
 
 
 class MissingExtra(ArasError):

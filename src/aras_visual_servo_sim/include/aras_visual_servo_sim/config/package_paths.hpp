@@ -9,7 +9,8 @@ namespace aras_visual_servo_sim {
 /** Finds files named by `package://name/path`, `model://name/path`, `file://path` or a plain path.
  *
  *  Packages are looked up in the map given; then in ROS_PACKAGE_PATH, where an entry may be the package itself, a
- * folder of packages or an install space's share folder; then in share/ of every CMAKE_PREFIX_PATH entry. */
+ *  folder of packages or an install space's share folder; then in share/ of every CMAKE_PREFIX_PATH entry; then in
+ *  /usr/share, where Debian's packages are. */
 class PackagePaths {
  public:
   PackagePaths() = default;

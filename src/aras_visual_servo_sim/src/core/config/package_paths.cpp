@@ -53,7 +53,8 @@ std::string PackagePaths::findPackage(const std::string& name) const {
     const fs::path folder = fs::path(entry) / "share" / name;
     if (isPackage(folder)) return folder.string();
   }
-  return "";
+  const fs::path debian = fs::path("/usr/share") / name;  // where rospack looks last, too
+  return isPackage(debian) ? debian.string() : "";
 }
 
 std::string PackagePaths::resolve(const std::string& uri, const std::string& base_dir) const {
@@ -68,7 +69,7 @@ std::string PackagePaths::resolve(const std::string& uri, const std::string& bas
     if (folder.empty()) {
       throw ModelError("file '" + uri + "': " + (is_model ? "model '" : "package '") + name + "' not found in " +
                        (is_model ? "GAZEBO_MODEL_PATH, nor as a package in " : "") +
-                       "package_paths, ROS_PACKAGE_PATH or CMAKE_PREFIX_PATH");
+                       "package_paths, ROS_PACKAGE_PATH, CMAKE_PREFIX_PATH or /usr/share");
     }
     path = fs::path(folder) / rest.substr(std::min(rest.size(), name.size() + 1));
   } else {

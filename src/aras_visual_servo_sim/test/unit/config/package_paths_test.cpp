@@ -54,15 +54,15 @@ TEST_F(Paths, APackageIsAFolderWithAPackageXml) {
   EXPECT_EQ(PackagePaths().resolve("package://ball/a.dae"), path("ws/ball/a.dae"));
   EXPECT_EQ(PackagePaths().resolve("package://arm/a.dae"), path("prefix/share/arm/a.dae"));
   EXPECT_EQ(messageOf<ModelError>([] { PackagePaths().resolve("package://trap/a.dae"); }),
-            "file 'package://trap/a.dae': package 'trap' not found in package_paths, ROS_PACKAGE_PATH or "
-            "CMAKE_PREFIX_PATH");
+            "file 'package://trap/a.dae': package 'trap' not found in package_paths, ROS_PACKAGE_PATH, "
+            "CMAKE_PREFIX_PATH or /usr/share");
 }
 
 TEST_F(Paths, AModelThatIsNowhereIsNamed) {
   const Variable models("GAZEBO_MODEL_PATH", path("models"));
   EXPECT_EQ(messageOf<ModelError>([] { PackagePaths().resolve("model://moon"); }),
             "file 'model://moon': model 'moon' not found in GAZEBO_MODEL_PATH, nor as a package in package_paths, "
-            "ROS_PACKAGE_PATH or CMAKE_PREFIX_PATH");
+            "ROS_PACKAGE_PATH, CMAKE_PREFIX_PATH or /usr/share");
 }
 
 TEST_F(Paths, AFileThatIsMissingIsToldWhereItShouldBe) {
