@@ -5,8 +5,8 @@ from typing import Union
 
 from aras_visual_servo import ArasError, ParameterError, package_path
 
-#: Where Debian's libjs-three puts its files.
-THREE = Path("/usr/share/javascript/three")
+#: Where Debian's libjs-three puts its files; a wheel has them in its own share.
+THREE = Path("javascript") / "three"
 #: Of three.js, what a page loads: the library, and what turns the view by mouse and finger.
 THREE_FILES = ("three.min.js", "examples/js/controls/OrbitControls.js")
 
@@ -22,7 +22,8 @@ def share_dir() -> Path:
 
 def three_file(name: str) -> Path:
     """Path of one of THREE_FILES. Raises ParameterError: libjs-three is not installed."""
-    path = THREE / name
+    paths = [share / THREE / name for share in (share_dir().parent, Path("/usr/share"))]
+    path = next(filter(Path.is_file, paths), paths[-1])
     if not path.is_file():
         raise ParameterError(f"three.js: no such file: {path}; on Debian: apt install libjs-three")
     return path

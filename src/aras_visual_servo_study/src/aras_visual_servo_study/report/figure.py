@@ -55,9 +55,10 @@ def _letters_of(fontfile, characters):
 @contextlib.contextmanager
 def _lean_fonts():
     """Within it a PDF has the fonts of `_letters_of`. Which function matplotlib calls for them is not promised: a
-    version that calls another one goes on with its own."""
+    version that calls another one, or with something else than a text, goes on with its own."""
     before = getattr(_backend_pdf_ps, "get_glyphs_subset", None)
-    _backend_pdf_ps.get_glyphs_subset = _letters_of
+    _backend_pdf_ps.get_glyphs_subset = \
+        lambda fontfile, characters: (_letters_of if isinstance(characters, str) else before)(fontfile, characters)
     try:
         yield
     finally:
