@@ -5,6 +5,7 @@ the workspace that script/bootstrap builds, for the Python of this Debian releas
 """
 import base64
 import hashlib
+import os
 import platform
 import shutil
 import subprocess
@@ -62,9 +63,9 @@ def build_sdist(sdist_directory: str, config_settings: Optional[Dict] = None) ->
 def build_wheel(wheel_directory: str, config_settings: Optional[Dict] = None, metadata_directory: Optional[str] = None) -> str:
     """Builds the workspace, gathers what runs without ROS, and writes the wheel. Returns its name."""
     asked, built = _run(ROS_PYTHON, "-c", "import sys; print(*sys.version_info[:2])").split(), sys.version_info[:2]
-    if tuple(map(int, asked)) != built and config_settings != {"for": "ros"}:
+    if tuple(map(int, asked)) != built:
         sys.exit(f"wheel: found Python {built[0]}.{built[1]}, allowed {'.'.join(asked)}, for which ROS is built on this Debian")
-    subprocess.run([ROOT / "script" / "bootstrap"], check=True)
+    subprocess.run([ROOT / "script" / "bootstrap"], env=own_environment(), check=True)
     numpy = _run(ROS_PYTHON, "-c", "import numpy; print(numpy.__version__)").split(".")
     with tempfile.TemporaryDirectory() as scratch:
         tree, python = Path(scratch) / "tree", f"cp{''.join(asked)}"
@@ -160,5 +161,10 @@ def _packed(archive: zipfile.ZipFile, tree: Path, path: Path) -> str:
     return f"{name},sha256={digest},{len(content)}\n"
 
 
+def own_environment() -> Dict[str, str]:
+    """Returns the environment without what pip put there to hide Debian's modules from who builds."""
+    return {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
+
+
 def _run(*command: str) -> str:
-    return subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout.strip()
+    return subprocess.run(command, cwd=ROOT, env=own_environment(), check=True, capture_output=True, text=True).stdout.strip()

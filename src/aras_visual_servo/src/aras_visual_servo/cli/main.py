@@ -3,9 +3,10 @@
 import argparse
 import os
 import sys
+from pathlib import Path
 from typing import Dict, List, Optional, Tuple
 
-from . import PROGRAM, Verb, complete, guarded, run_verb
+from . import EXIT_BROKEN, PROGRAM, Verb, complete, guarded, run_verb
 from ..studies import sister
 
 CORE, ROS, STUDY = "aras_visual_servo", "aras_visual_servo_controller", "aras_visual_servo_study"
@@ -30,6 +31,11 @@ USUAL = {"robot": "show"}
 def main(argv: Optional[List[str]] = None) -> int:
     """Runs one verb. Returns the exit code."""
     words = list(sys.argv[1:] if argv is None else argv)
+    other = other_installation(sys.argv[0])
+    if argv is None and other is not None:
+        print(f"error: {sys.argv[0]} belongs to {other}, but Python finds {Path(__file__).parents[1]} first: leave the virtual "
+              "environment or the shell that sourced a workspace, so that one of the two is left", file=sys.stderr)
+        return EXIT_BROKEN
     typed = os.environ.get("COMP_LINE", "")[:int(os.environ.get("COMP_POINT", 0))].split(" ")
     if "_ARGCOMPLETE" in os.environ and len(typed) > 2 and typed[1] in VERBS:
         os.environ["_ARGCOMPLETE"], words = "2", [typed[1]]  # the words before the verb's own
@@ -44,6 +50,13 @@ def main(argv: Optional[List[str]] = None) -> int:
     complete.offer(parser)
     parser.parse_args(words)
     return 0
+
+
+def other_installation(program: str) -> Optional[Path]:
+    """Returns the folder of this package beside PREFIX/bin/PROGRAM, if another one was imported; else None."""
+    prefix = Path(program).resolve().parent.parent
+    beside = [*prefix.glob(f"lib/python3*/*-packages/{CORE}"), *prefix.glob(f"local/lib/python3*/*-packages/{CORE}")]
+    return beside[0] if beside and Path(__file__).resolve().parents[1] not in [path.resolve() for path in beside] else None
 
 
 def _run(name: str, words: List[str]) -> int:

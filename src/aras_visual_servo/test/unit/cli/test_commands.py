@@ -250,3 +250,15 @@ def test_tab_completes_verbs_scenarios_options_and_keys(tmp_path, monkeypatch):
     assert completed("aras-servo sweep experiment_1 --set servo.gains") == ["servo.gains_per_s."]
     assert "servo.law=" in completed("aras-servo scenario show experiment_1 --set servo.l")
     assert completed("aras-servo run experiment_1 --law deco") == ["decoupled "]
+
+
+def test_a_program_of_another_installation_is_refused(tmp_path):
+    (tmp_path / "bin").mkdir()
+    program = shutil.copy(PROGRAM, tmp_path / "bin" / "aras-servo")
+    command = [sys.executable, str(program), "scenario", "list"]
+    assert subprocess.run(command, capture_output=True, text=True, timeout=240).returncode == cli.EXIT_PASSED
+    package = tmp_path / "lib" / "python3.11" / "site-packages" / "aras_visual_servo"
+    package.mkdir(parents=True)
+    refused = subprocess.run(command, capture_output=True, text=True, timeout=240)
+    assert refused.returncode == cli.EXIT_BROKEN
+    assert str(package) in refused.stderr and str(pathlib.Path(cli.__file__).parents[1]) in refused.stderr
