@@ -1,7 +1,7 @@
 """Makes the wheel and the source distribution: what pip asks of a project (PEP 517).
 
-The wheel has simulator, camera, controller and studies with all their libraries but glibc, and runs without ROS. It is made of
-the workspace that script/bootstrap builds, for the Python of this Debian release.
+The wheel has simulator, camera, controller and studies with all their libraries but glibc, and runs without ROS. It is
+made of the workspace that script/bootstrap builds, for the Python of this Debian release.
 """
 import base64
 import hashlib
@@ -21,17 +21,18 @@ ROOT = Path(__file__).resolve().parent.parent
 NAME = "aras_visual_servo"
 ROS_PYTHON = "/usr/bin/python3"
 #: folder of share -> what of it is read without ROS
-SHARED = {"aras_description": ("arms", "meshes", "targets", "urdf"), NAME: ("config",), f"{NAME}_camera": ("config", "schema"),
-          f"{NAME}_sim": ("config", "schema"), f"{NAME}_study": ("config", "web")}
+SHARED = {"aras_description": ("arms", "meshes", "targets", "urdf"), NAME: ("config",),
+          f"{NAME}_camera": ("config", "schema"), f"{NAME}_sim": ("config", "schema"), f"{NAME}_study": ("config", "web")}
 PACKAGES = (NAME, *(f"{NAME}_{part}" for part in ("camera", "common", "controller", "learning", "sim", "study")))
-#: libraries of ours, and the package beside whose module each lies. The finder of AprilTags would bring 150 libraries more.
+#: libraries of ours, and the package beside whose module each lies; the finder of AprilTags would bring 150 more
 LIBRARIES = {f"lib{NAME}_camera_core.so": f"{NAME}_camera", f"lib{NAME}_sim_core.so": f"{NAME}_sim"}
 THREE = Path("/usr/share/javascript/three")
 THREE_FILES = ("three.min.js", "examples/js/controls/OrbitControls.js")
 #: The wheel holds ViSP (GPL-2.0-or-later) and, of ViSP, the GNU Scientific Library (GPL-3.0-or-later).
 LICENSE = "BSD-3-Clause AND GPL-3.0-or-later"
 #: Libraries that come with every Linux that has a Python.
-SYSTEM = ("libc.so", "libdl.so", "libgcc_s.so", "libm.so", "libpthread.so", "librt.so", "libstdc++.so", "libz.so", "ld-linux")
+SYSTEM = ("ld-linux", "libc.so", "libdl.so", "libgcc_s.so", "libm.so", "libpthread.so", "librt.so", "libstdc++.so",
+          "libz.so")
 EPOCH = (1980, 1, 1, 0, 0, 0)
 
 
@@ -60,21 +61,24 @@ def build_sdist(sdist_directory: str, config_settings: Optional[Dict] = None) ->
     return f"{stem}.tar.gz"
 
 
-def build_wheel(wheel_directory: str, config_settings: Optional[Dict] = None, metadata_directory: Optional[str] = None) -> str:
+def build_wheel(wheel_directory: str, config_settings: Optional[Dict] = None,
+                metadata_directory: Optional[str] = None) -> str:
     """Builds the workspace, gathers what runs without ROS, and writes the wheel. Returns its name."""
     asked, built = _run(ROS_PYTHON, "-c", "import sys; print(*sys.version_info[:2])").split(), sys.version_info[:2]
     if tuple(map(int, asked)) != built:
-        sys.exit(f"wheel: found Python {built[0]}.{built[1]}, allowed {'.'.join(asked)}, for which ROS is built on this Debian")
+        sys.exit(f"wheel: found Python {built[0]}.{built[1]}, allowed {'.'.join(asked)}, which this Debian builds ROS for")
     subprocess.run([ROOT / "script" / "bootstrap"], env=own_environment(), check=True)
     numpy = _run(ROS_PYTHON, "-c", "import numpy; print(numpy.__version__)").split(".")
     with tempfile.TemporaryDirectory() as scratch:
         tree, python = Path(scratch) / "tree", f"cp{''.join(asked)}"
         gather(tree)
-        describe(tree, f"{python}-{python}-linux_{platform.machine()}", [f"numpy>={numpy[0]}.{numpy[1]},<{int(numpy[0]) + 1}"])
-        plain = Path(scratch) / f"{NAME}-{project()['version']}-{python}-{python}-linux_{platform.machine()}.whl"
+        tag = f"{python}-{python}-linux_{platform.machine()}"
+        describe(tree, tag, [f"numpy>={numpy[0]}.{numpy[1]},<{int(numpy[0]) + 1}"])
+        plain = Path(scratch) / f"{NAME}-{project()['version']}-{tag}.whl"
         pack(tree, plain)
         plat = f"manylinux_{platform.libc_ver()[1].replace('.', '_')}_{platform.machine()}"
-        subprocess.run([sys.executable, "-m", "auditwheel", "repair", "--plat", plat, "--only-plat", "-w", scratch, plain], check=True)
+        subprocess.run([sys.executable, "-m", "auditwheel", "repair", "--plat", plat, "--only-plat", "-w", scratch, plain],
+                       check=True)
         (mended,) = [path for path in Path(scratch).glob("*.whl") if path != plain]
         whole = Path(scratch) / "whole"
         with zipfile.ZipFile(mended) as archive:
@@ -122,8 +126,9 @@ def metadata(numpy: List[str]) -> str:
     """Returns the text of METADATA or PKG-INFO."""
     about = project()
     extras = about["optional-dependencies"]
-    lines = ["Metadata-Version: 2.1", f"Name: {about['name']}", f"Version: {about['version']}", f"Summary: {about['description']}",
-             f"License: {LICENSE}", f"Requires-Python: {about['requires-python']}", "Description-Content-Type: text/markdown"]
+    lines = ["Metadata-Version: 2.1", f"Name: {about['name']}", f"Version: {about['version']}",
+             f"Summary: {about['description']}", f"License: {LICENSE}", f"Requires-Python: {about['requires-python']}",
+             "Description-Content-Type: text/markdown"]
     lines += [f"Requires-Dist: {one}" for one in (*numpy, *about["dependencies"])]
     for name, needs in extras.items():
         lines += [f"Provides-Extra: {name}", *(f"Requires-Dist: {one}; extra == '{name}'" for one in needs)]
@@ -135,7 +140,8 @@ def describe(tree: Path, tag: str, numpy: List[str]) -> None:
     about = tree / f"{NAME}-{project()['version']}.dist-info"
     about.mkdir()
     (about / "METADATA").write_text(metadata(numpy), encoding="utf-8")
-    (about / "WHEEL").write_text(f"Wheel-Version: 1.0\nGenerator: aras\nRoot-Is-Purelib: false\nTag: {tag}\n", encoding="utf-8")
+    (about / "WHEEL").write_text(f"Wheel-Version: 1.0\nGenerator: aras\nRoot-Is-Purelib: false\nTag: {tag}\n",
+                                 encoding="utf-8")
     scripts = "\n".join(f"{name} = {target}" for name, target in project()["scripts"].items())
     (about / "entry_points.txt").write_text(f"[console_scripts]\n{scripts}\n", encoding="utf-8")
     shutil.copy(ROOT / "LICENSE", about)
@@ -167,4 +173,5 @@ def own_environment() -> Dict[str, str]:
 
 
 def _run(*command: str) -> str:
-    return subprocess.run(command, cwd=ROOT, env=own_environment(), check=True, capture_output=True, text=True).stdout.strip()
+    return subprocess.run(command, cwd=ROOT, env=own_environment(), check=True, capture_output=True,
+                          text=True).stdout.strip()

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-ROS_PACKAGES = sorted(path.parent.name for folder in ("src", "gazebo") for path in (ROOT / folder).glob("*/package.xml"))
+ROS_PACKAGES = sorted(path.parent.name for folder in ("src", "gazebo") for path in ROOT.glob(f"{folder}/*/package.xml"))
 INSTALLED = {path.stem: path.read_text(encoding="utf-8").split() for path in (ROOT / "debian").glob("*.install")}
 
 
@@ -34,8 +34,9 @@ def test_a_ros_package_goes_into_one_debian_package(name):
 def test_what_runs_is_asked_for_without_what_compiles(release):
     def listed(*sections):
         command = f'. "{ROOT}/script/environment.sh"; packages_of debian "$@"'
-        return set(subprocess.run(["bash", "-c", command, "_", release, *sections], capture_output=True, text=True, check=True,
-                                  timeout=60).stdout.split())
+        done = subprocess.run(["bash", "-c", command, "_", release, *sections], capture_output=True, text=True, check=True,
+                              timeout=60)
+        return set(done.stdout.split())
     needed, compiles = listed("all"), listed("build")
     assert {"python3-numpy", "python3-roslaunch", "libosmesa6"} <= needed and {"cmake", "build-essential"} <= compiles
     assert not needed & compiles and not needed & listed("optional")

@@ -45,5 +45,5 @@ def test_it_runs_without_ros_with_the_hash_of_the_release(made):
 def test_the_source_distribution_has_what_a_build_reads(made):
     (archive,) = made.glob("dist/*.tar.gz")
     names = {name.partition("/")[2] for name in tarfile.open(archive).getnames()}
-    assert {"PKG-INFO", "pyproject.toml", "script/bootstrap", "script/packages.txt", "src/aras_visual_servo/package.xml"} <= names
+    assert {"PKG-INFO", "pyproject.toml", "script/bootstrap", "src/aras_visual_servo/package.xml"} <= names
     assert not any(name.startswith(("build/", "install/", "results/")) for name in names)

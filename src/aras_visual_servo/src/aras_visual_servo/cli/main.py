@@ -33,8 +33,8 @@ def main(argv: Optional[List[str]] = None) -> int:
     words = list(sys.argv[1:] if argv is None else argv)
     other = other_installation(sys.argv[0])
     if argv is None and other is not None:
-        print(f"error: {sys.argv[0]} belongs to {other}, but Python finds {Path(__file__).parents[1]} first: leave the virtual "
-              "environment or the shell that sourced a workspace, so that one of the two is left", file=sys.stderr)
+        print(f"error: {sys.argv[0]} belongs to {other}, but Python finds {Path(__file__).parents[1]} first: leave the "
+              "virtual environment, or the shell that sourced a workspace", file=sys.stderr)
         return EXIT_BROKEN
     typed = os.environ.get("COMP_LINE", "")[:int(os.environ.get("COMP_POINT", 0))].split(" ")
     if "_ARGCOMPLETE" in os.environ and len(typed) > 2 and typed[1] in VERBS:
@@ -55,8 +55,8 @@ def main(argv: Optional[List[str]] = None) -> int:
 def other_installation(program: str) -> Optional[Path]:
     """Returns the folder of this package beside PREFIX/bin/PROGRAM, if another one was imported; else None."""
     prefix = Path(program).resolve().parent.parent
-    beside = [*prefix.glob(f"lib/python3*/*-packages/{CORE}"), *prefix.glob(f"local/lib/python3*/*-packages/{CORE}")]
-    return beside[0] if beside and Path(__file__).resolve().parents[1] not in [path.resolve() for path in beside] else None
+    beside = [path.resolve() for path in prefix.glob(f"lib/python3*/*-packages/{CORE}")]
+    return beside[0] if beside and Path(__file__).resolve().parents[1] not in beside else None
 
 
 def _run(name: str, words: List[str]) -> int:
