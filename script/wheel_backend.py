@@ -22,7 +22,8 @@ NAME = "aras_visual_servo"
 ROS_PYTHON = "/usr/bin/python3"
 #: folder of share -> what of it is read without ROS
 SHARED = {"aras_description": ("arms", "meshes", "targets", "urdf"), NAME: ("config",),
-          f"{NAME}_camera": ("config", "schema"), f"{NAME}_sim": ("config", "schema"), f"{NAME}_study": ("config", "web")}
+          f"{NAME}_camera": ("config", "schema"), f"{NAME}_sim": ("config", "schema"),
+          f"{NAME}_study": ("config", "web")}
 PACKAGES = (NAME, *(f"{NAME}_{part}" for part in ("camera", "common", "controller", "learning", "sim", "study")))
 #: libraries of ours, and the package beside whose module each lies; the finder of AprilTags would bring 150 more
 LIBRARIES = {f"lib{NAME}_camera_core.so": f"{NAME}_camera", f"lib{NAME}_sim_core.so": f"{NAME}_sim"}
@@ -66,7 +67,7 @@ def build_wheel(wheel_directory: str, config_settings: Optional[Dict] = None,
     """Builds the workspace, gathers what runs without ROS, and writes the wheel. Returns its name."""
     asked, built = _run(ROS_PYTHON, "-c", "import sys; print(*sys.version_info[:2])").split(), sys.version_info[:2]
     if tuple(map(int, asked)) != built:
-        sys.exit(f"wheel: found Python {built[0]}.{built[1]}, allowed {'.'.join(asked)}, which this Debian builds ROS for")
+        sys.exit(f"wheel: found Python {built[0]}.{built[1]}, allowed {'.'.join(asked)}, that of Debian's ROS")
     subprocess.run([ROOT / "script" / "bootstrap"], env=own_environment(), check=True)
     numpy = _run(ROS_PYTHON, "-c", "import numpy; print(numpy.__version__)").split(".")
     with tempfile.TemporaryDirectory() as scratch:
@@ -77,8 +78,8 @@ def build_wheel(wheel_directory: str, config_settings: Optional[Dict] = None,
         plain = Path(scratch) / f"{NAME}-{project()['version']}-{tag}.whl"
         pack(tree, plain)
         plat = f"manylinux_{platform.libc_ver()[1].replace('.', '_')}_{platform.machine()}"
-        subprocess.run([sys.executable, "-m", "auditwheel", "repair", "--plat", plat, "--only-plat", "-w", scratch, plain],
-                       check=True)
+        repair = [sys.executable, "-m", "auditwheel", "repair", "--plat", plat, "--only-plat", "-w", scratch, plain]
+        subprocess.run(repair, check=True)
         (mended,) = [path for path in Path(scratch).glob("*.whl") if path != plain]
         whole = Path(scratch) / "whole"
         with zipfile.ZipFile(mended) as archive:
@@ -90,7 +91,8 @@ def build_wheel(wheel_directory: str, config_settings: Optional[Dict] = None,
 
 def complete(tree: Path) -> None:
     """Adds the libraries that manylinux expects of a desktop, and a bare machine lacks: OpenCV's core asks for X11."""
-    known = {line.split()[0]: line.split()[-1] for line in _run("/usr/sbin/ldconfig", "-p").splitlines() if "=>" in line}
+    lines = [line.split() for line in _run("/usr/sbin/ldconfig", "-p").splitlines() if "=>" in line]
+    known = {line[0]: line[-1] for line in lines}
     there, folder = {path.name for path in tree.rglob("*.so*")}, tree / f"{NAME}.libs"
     looked_at: List[Path] = sorted(tree.rglob("*.so*"))
     for module in looked_at:

@@ -34,8 +34,8 @@ def test_a_ros_package_goes_into_one_debian_package(name):
 def test_what_runs_is_asked_for_without_what_compiles(release):
     def listed(*sections):
         command = f'. "{ROOT}/script/environment.sh"; packages_of debian "$@"'
-        done = subprocess.run(["bash", "-c", command, "_", release, *sections], capture_output=True, text=True, check=True,
-                              timeout=60)
+        done = subprocess.run(["bash", "-c", command, "_", release, *sections], stdout=subprocess.PIPE, text=True,
+                              check=True, timeout=60)
         return set(done.stdout.split())
     needed, compiles = listed("all"), listed("build")
     assert {"python3-numpy", "python3-roslaunch", "libosmesa6"} <= needed and {"cmake", "build-essential"} <= compiles
