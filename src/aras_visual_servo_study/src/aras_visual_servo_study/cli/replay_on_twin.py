@@ -46,8 +46,8 @@ def _work(arguments: Namespace) -> int:
 
 
 VERBS = {"replay-on-twin": cli.Command(
-    "Repeat a recorded run on the twin of its arm: the recorded scenario, from the same start. One page shows both, with "
-    "settling times and differences in numbers. The twin's scenario is written too, for other gains.",
+    "Repeat a recorded run on the twin of its arm: the recorded scenario, from the same start. One page shows both, "
+    "with settling times and differences in numbers. The twin's scenario is written too, for other gains.",
     [("run.bag --robot identified/robot.identified.yaml", "on the arm that `identify` found"),
      ("results/six_dof_points/STAMP --out again", "on the robot of the scenario itself")],
     _options, _work)}

@@ -92,7 +92,7 @@ def differences(run: OnTwin) -> Dict[str, Any]:
     features, joints = {}, {}
     settled = [settling_times_s(record) for record in both]
     for name in run.measured.feature_names:
-        columns = [_feature(record, name) for record in both]
+        columns = [feature_of(record, name) for record in both]
         apart = np.interp(times[0][here], times[1], columns[1]) - columns[0][here]
         features[name] = {"start": _pair(column[0] for column in columns), "final": _pair(map(_last, columns)),
                           "settling_s": _pair(each.get(name, np.nan) for each in settled), "rms": _plain(_rms(apart))}
@@ -116,7 +116,8 @@ def _since(record):
     return 1e-9 * (record.stamp_ns[rows] - record.stamp_ns[rows[0]])
 
 
-def _feature(record, name):
+def feature_of(record: RunRecord, name: str) -> np.ndarray:
+    """Returns the error of a feature at the servo images, (j,); NaN where the run has no such feature."""
     rows = record.servo_rows
     if name not in record.feature_names:
         return np.full(len(rows), np.nan)

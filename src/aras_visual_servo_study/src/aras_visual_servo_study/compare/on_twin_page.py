@@ -4,9 +4,9 @@ from typing import Any, Dict, List
 
 import numpy as np
 
-from aras_visual_servo import RunRecord, palette, spread, styles
-from .on_twin import OnTwin, joint_of
-from .settling import SETTLED_PART
+from aras_visual_servo import palette, styles
+from .on_twin import OnTwin, feature_of, joint_of
+from .settling import SETTLED_PART, error_size
 from ..report.plots import series_of, time_plot
 from ..report.template import render
 
@@ -20,8 +20,8 @@ def on_twin_html(run: OnTwin, numbers: Dict[str, Any], title: str, command: str)
     """Returns the page. Args: numbers: of `differences`."""
     plots = [_size(run)]
     for style in styles(run.measured.feature_names):
-        plots.append(_plot(run, f"feature_{style.name}", style.name, f"e [{style.read_unit}]", lambda record, style=style:
-                           style.factor * record.e[record.servo_rows, record.feature_names.index(style.name)]))
+        plots.append(_plot(run, f"feature_{style.name}", style.name, f"e [{style.read_unit}]",
+                           lambda record, style=style: style.factor * feature_of(record, style.name)))
     for name in run.measured.joint_names:
         plots.append(_plot(run, f"joint_{name}", name, "m, rad", lambda record, name=name: joint_of(record, name)))
     return render("on_twin.html.j2", title=title, command=command, notes=list(dict.fromkeys(run.notes)), plots=plots,
@@ -59,16 +59,11 @@ def _joints(numbers):
 
 
 def _size(run):
-    """Plot of the length of e in units of the thresholds."""
-    def size(record: RunRecord) -> np.ndarray:
-        thresholds = spread(run.measured.settings.get("servo", {}).get("thresholds", {}))
-        unit = np.array([thresholds.get(name, 1.0) for name in record.feature_names])
-        return np.sqrt(np.mean((record.e[record.servo_rows] / unit)**2, axis=1))
-    return _plot(run, "size", "root mean square of the errors, in thresholds of the stop rule", "", size, log=True)
+    return _plot(run, "size", "root mean square of the errors, in thresholds of the stop rule", "", error_size, log=True)
 
 
 def _plot(run, name, title, label, values, log=False):
-    """Both runs over the times of their own images; a plot has one time axis, so a run is NaN at images of the other."""
+    """Both runs over the times of their images, from the first servo image on."""
     records = dict(zip(BOTH, (run.measured, run.twin)))
     times = {one: 1e-9 * (record.stamp_ns[record.servo_rows] - record.stamp_ns[record.servo_rows[0]])
              for one, record in records.items()}
