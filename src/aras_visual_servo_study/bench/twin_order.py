@@ -77,7 +77,8 @@ def recording(rng, scenario, names, seconds):
         rows.append((sim.time_s, sim.joint_positions[order], sim.joint_velocities[order]))
     times, q, v = (np.array(column) for column in zip(*rows))
     return Recording(tuple(names), times, q + rng.normal(0.0, NOISE, q.shape),
-                     v + rng.normal(0.0, SPEED_NOISE, v.shape), commands=Commands("velocity", np.array(stamps), np.array(speeds)))
+                     v + rng.normal(0.0, SPEED_NOISE, v.shape),
+                     commands=Commands("velocity", np.array(stamps), np.array(speeds)))
 
 
 def gains(rng, scenario):

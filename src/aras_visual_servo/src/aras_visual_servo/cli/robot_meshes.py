@@ -14,7 +14,7 @@ def _options(parser: ArgumentParser) -> None:
     parser.add_argument("robot", type=scenario_name, metavar="NAME", help="a named arm, or the scenario file of one")
     parser.add_argument("--description", required=True, type=file, metavar="PATH",
                         help="the vendor's description package, or its expanded URDF; the files stay where they are")
-    parser.add_argument("--folder", metavar="FOLDER", type=file, help="where the files go (default: a new folder, NAME)")
+    parser.add_argument("--folder", metavar="FOLDER", type=file, help="where the files go (default: a new folder NAME)")
 
 
 def _work(arguments: Namespace) -> int:

@@ -59,7 +59,7 @@ def _joints(numbers):
 
 
 def _size(run):
-    return _plot(run, "size", "root mean square of the errors, in thresholds of the stop rule", "", error_size, log=True)
+    return _plot(run, "size", "root mean square of the errors, in their thresholds", "", error_size, log=True)
 
 
 def _plot(run, name, title, label, values, log=False):

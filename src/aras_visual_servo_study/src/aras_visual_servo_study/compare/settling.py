@@ -20,8 +20,8 @@ def error_size(record: RunRecord) -> np.ndarray:
 def settling_s(record: RunRecord) -> float:
     """Returns the time from the first servo image until the errors stay in their band [s].
 
-    Their size is that of `error_size`; the band is the larger of SETTLED_PART of the size at the start and 1. The time is
-    interpolated between images. NaN: the size is outside of the band at the end.
+    Their size is that of `error_size`; the band is the larger of SETTLED_PART of the size at the start and 1. The time
+    is interpolated between images. NaN: the size is outside of the band at the end.
     """
     return _settled_s(_times_s(record), error_size(record), 1.0)
 
