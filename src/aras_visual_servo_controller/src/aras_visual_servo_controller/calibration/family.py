@@ -3,7 +3,7 @@ its residuals against the noise of the points."""
 
 from dataclasses import dataclass, field
 from math import sqrt
-from typing import Any, Dict, List, Optional, Protocol, Sequence, Tuple
+from typing import Any, Dict, Optional, Protocol, Sequence, Tuple
 
 import numpy as np
 

@@ -97,7 +97,8 @@ def calibrate_joint_offsets(arm: RobotKinematics, joints: np.ndarray, views: Seq
         name = worst if names is None else names[worst]
         most = found.hand_eye.view_residuals_px[worst]
         raise ParameterError(f"samples: found a residual of {most:.3g} px in {name}, allowed below "
-                             f"{camera.residual_limit_px:.3g}: offsets do not explain it; `calibrate hand_eye` names samples that do not fit")
+                             f"{camera.residual_limit_px:.3g}: offsets do not explain it; `calibrate "
+                             "hand_eye` names samples that do not fit")
     known = [name for name, is_told in zip(arm.joint_names, told) if is_told]
     return JointOffsets(found.hand_eye, {name: (float(value), float(stddev)) for name, value, stddev
                                          in zip(known, found.more, found.more_stddev)},

@@ -21,12 +21,13 @@ def _options(parser: ArgumentParser) -> None:
 
 
 def _work(arguments: Namespace) -> int:
-    from ..compare.on_twin import differences, replay_on_twin
+    from ..compare.on_twin import differences, image_age_s, replay_on_twin
     from ..compare.on_twin_page import on_twin_html, text_of
     from ..report.report import create_result_folder
     bags = sister("aras_visual_servo_controller", "bags.bag", "`aras-servo replay-on-twin`")
     scenario = load_scenario(arguments.scenario) if arguments.scenario else None
-    run = replay_on_twin(bags.read_bag(arguments.bag, arguments.namespace, scenario), arguments.robot)
+    run = replay_on_twin(bags.read_bag(arguments.bag, arguments.namespace, scenario), arguments.robot,
+                         image_age_s(arguments.bag, arguments.namespace))
     numbers, folder = differences(run), Path(arguments.out)
     title = f"{run.measured.scenario}, measured and on the twin"
     made = {PAGE: on_twin_html(run, numbers, title, arguments.repeat), NUMBERS: json.dumps(numbers, indent=1) + "\n",

@@ -35,15 +35,30 @@ class OnTwin:
     notes: Tuple[str, ...]
 
 
-def replay_on_twin(measured: RunRecord, overlay: Optional[str] = None) -> OnTwin:
+def image_age_s(paths: Any, namespace: Optional[str] = None) -> Optional[float]:
+    """Returns the mean age of the images that a real arm's controller answered [s]; None if the bag does not tell it.
+
+    Args: as of `read_bag`.
+    """
+    from aras_visual_servo_controller import BagFiles  # needs rosbag
+    wanted = "/input_timing" if namespace is None else f"/{namespace.strip('/')}/input_timing"
+    with BagFiles(paths) as bags:
+        topics = [topic for topic in bags.topics if topic.endswith(wanted)]
+        ages = [message.image_age_s for _, message in bags.messages(topics) if message.used] if topics else []
+    return float(np.mean(ages)) if ages else None
+
+
+def replay_on_twin(measured: RunRecord, overlay: Optional[str] = None, age_s: Optional[float] = None) -> OnTwin:
     """Runs the recorded controller on the twin.
 
     Args:
         measured: record of a bag (`read_bag`).  overlay: name or path of a scenario whose own keys of `robot` and `sim`
             replace those of the recorded one, as `aras-servo identify` writes it; None: the recorded robot.
+        age_s: of the images when they were answered (`image_age_s`), the latency of the twin's camera; None: that of
+            the scenario.
     Raises: ParameterError: as `twin_scenario`, or the twin ended before its servo began.
     """
-    scenario, notes = twin_scenario(measured, overlay)
+    scenario, notes = twin_scenario(measured, overlay, age_s)
     twin = avs.run(scenario)
     if not len(twin.servo_rows):
         raise ParameterError(f"twin: ended before its servo began: {twin.status_text[-1]}; allowed a scenario whose "
@@ -51,7 +66,8 @@ def replay_on_twin(measured: RunRecord, overlay: Optional[str] = None) -> OnTwin
     return OnTwin(scenario, measured, twin, (*measured.notes, *notes))
 
 
-def twin_scenario(measured: RunRecord, overlay: Optional[str] = None) -> Tuple[Scenario, List[str]]:
+def twin_scenario(measured: RunRecord, overlay: Optional[str] = None,
+                  age_s: Optional[float] = None) -> Tuple[Scenario, List[str]]:
     """Returns (the scenario that repeats the run, notes).
 
     A run that drove to its goal and start by itself is repeated whole. Otherwise the first servo image gives the start,
@@ -74,7 +90,8 @@ def twin_scenario(measured: RunRecord, overlay: Optional[str] = None) -> Tuple[S
         raise ParameterError(f"joints: found {', '.join(measured.joint_names)} in the bag, allowed those of its "
                              f"scenario, {', '.join(names)}")
     places, notes = _places(measured)
-    changes = {**_camera(measured, scenario), **places, **({} if overlay is None else _of_overlay(overlay, names))}
+    robot = {} if overlay is None else _of_overlay(overlay, names)
+    changes = {**_camera(measured, scenario, age_s), **places, **robot}
     return scenario.with_overrides(changes) if changes else scenario, notes
 
 
@@ -164,13 +181,15 @@ def _joints(record, q):
     return {"joints": dict(zip(record.joint_names, q.tolist()))}
 
 
-def _camera(measured, scenario):
-    """Changes of the simulated camera that give it the intrinsics and the rate of the recorded one."""
+def _camera(measured, scenario, age_s):
+    """Changes of the simulated camera that give it the intrinsics, rate and latency of the recorded one."""
     cameras = [dict(camera) for camera in scenario.sim.get("cameras") or []]
     if not cameras:
         return {}
     camera, info, rows = cameras[0], measured.camera_info, measured.servo_rows
     before = dict(camera)
+    if age_s is not None and not scenario.real.get("predict"):  # predicted features are those of the answer's time
+        camera["latency_s"] = round(age_s, 6)
     if len(rows) > 2:
         periods = np.diff(measured.stamp_ns[rows])
         rate = 1e9 / float(np.mean(periods[periods < GAP * np.median(periods)]))

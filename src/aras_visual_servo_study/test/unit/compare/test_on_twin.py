@@ -8,6 +8,7 @@ import pytest
 import aras_visual_servo as avs
 from aras_visual_servo import ParameterError, cli, load_scenario
 from aras_visual_servo.cli.main import main
+from aras_visual_servo_study.compare import on_twin
 from aras_visual_servo_study.compare.on_twin import differences, replay_on_twin, twin_scenario
 from aras_visual_servo_study.compare.settling import settling_s, settling_times_s
 
@@ -73,6 +74,7 @@ def test_a_bag_without_the_way_to_the_start_gives_start_goal_camera_and_rate(mea
     slow = dataclasses.replace(slow, stamp_ns=stamps, camera_info=info)
     twin, notes = twin_scenario(slow)
     (camera,) = twin.sim["cameras"]
+    assert twin_scenario(slow, age_s=0.04)[0].sim["cameras"][0]["latency_s"] == 0.04
     assert camera["rate_hz"] == pytest.approx(15.0, rel=1e-3) and camera["fx_px"] == info["K"][0]
     by_name = dict(zip(measured.joint_names, measured.q[measured.servo_rows[-1]]))
     np.testing.assert_allclose(twin.goal_posture(kinematics), kinematics.vector(by_name), atol=1e-6)
@@ -104,6 +106,7 @@ def test_errors_settle_where_an_exponential_enters_its_band(measured):
 def test_the_verb_writes_page_numbers_and_a_scenario_that_repeats_the_twin(measured, overlay, tmp_path, monkeypatch):
     bags = pytest.importorskip("aras_visual_servo_controller.bags.bag")
     monkeypatch.setattr(bags, "read_bag", lambda *_: measured)
+    monkeypatch.setattr(on_twin, "image_age_s", lambda *_: None)
     assert main(["replay-on-twin", "run.bag", "--robot", overlay, "--out", str(tmp_path / "out")]) == cli.EXIT_PASSED
     numbers = json.loads((tmp_path / "out" / "on_twin.json").read_text())
     again = avs.run(load_scenario(tmp_path / "out" / "twin.yaml"))
