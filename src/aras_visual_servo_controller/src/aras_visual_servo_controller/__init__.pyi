@@ -5,6 +5,7 @@ from .bags.record_groups import parse_groups as parse_groups
 from .bags.replay import replay as replay
 from .calibration.camera import calibrate_camera as calibrate_camera
 from .calibration.hand_eye import calibrate_hand_eye as calibrate_hand_eye
+from .calibration.joint_offsets import calibrate_joint_offsets as calibrate_joint_offsets
 from .calibration.target import target_plane as target_plane
 from .identification.efforts import identify_efforts as identify_efforts
 from .identification.loops import identify_loops as identify_loops

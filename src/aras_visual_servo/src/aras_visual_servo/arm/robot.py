@@ -4,8 +4,11 @@ from functools import lru_cache
 from typing import Any, Mapping, Optional
 from xml.etree import ElementTree
 
+import numpy as np
+
 from ..config.reader import read
 from ..ground.errors import ModelError
+from ..spatial import pose_from_rpy, rotation, rpy_of, transform
 from .free_camera import FreeCamera, joints_above
 from .kinematics import EyeToHand, Kinematics, RobotKinematics
 from .settings import HandEyeSettings
@@ -32,14 +35,45 @@ def robot_kinematics(urdf_xml: str, base_link: str, tip_link: str,
 def kinematics_of(urdf_xml: str, robot: Mapping[str, Any], calibrated: bool = True) -> RobotKinematics:
     """Makes the `robot_kinematics` of a scenario's section `robot`.
 
-    Args: calibrated: to where hand_eye has the camera, if the section has it; else to its tip_link.
+    Args: calibrated: to where hand_eye has the camera, with the joint_offsets, as far as the section has them; else to
+        its tip_link.
     Raises ModelError, ParameterError.
     """
     target_link = robot.get("target_link")
+    if robot.get("joint_offsets") and calibrated:
+        urdf_xml = with_joint_offsets(urdf_xml, robot["joint_offsets"])
     if robot.get("hand_eye") is None or not calibrated:
         return robot_kinematics(urdf_xml, robot["base_link"], robot["tip_link"], target_link)
     hand_eye = read(HandEyeSettings, robot["hand_eye"], "robot.hand_eye")
     return robot_kinematics(with_camera(urdf_xml, hand_eye), robot["base_link"], CALIBRATED_LINK, target_link)
+
+
+def with_joint_offsets(urdf_xml: str, offsets: Mapping[str, float]) -> str:
+    """Returns the URDF whose joints are at their true places at the positions that the arm reports.
+
+    Args: offsets: joint -> true minus reported position [m or rad].  Raises ModelError.
+    """
+    try:
+        robot = ElementTree.fromstring(urdf_xml)
+    except ElementTree.ParseError as error:
+        raise ModelError(f"the URDF is no XML: {error}") from error
+    joints = {joint.get("name"): joint for joint in robot.findall("joint")}
+    for name, offset in offsets.items():
+        if name not in joints:
+            raise ModelError(f"robot.joint_offsets.{name}: found no such joint in the URDF")
+        joint, axis = joints[name], joints[name].find("axis")
+        along = np.array(("1 0 0" if axis is None else axis.get("xyz", "1 0 0")).split(), dtype=float)
+        along *= float(offset) / np.linalg.norm(along)
+        slides = joint.get("type") == "prismatic"
+        moved = transform(np.eye(3), along) if slides else transform(rotation(along), np.zeros(3))
+        origin = joint.find("origin")
+        if origin is None:
+            origin = ElementTree.SubElement(joint, "origin")
+        xyz, rpy = ([float(value) for value in origin.get(key, "0 0 0").split()] for key in ("xyz", "rpy"))
+        X = pose_from_rpy(xyz, rpy) @ moved
+        origin.set("xyz", " ".join(map(repr, X[:3, 3].tolist())))
+        origin.set("rpy", " ".join(map(repr, map(float, rpy_of(X[:3, :3])))))
+    return ElementTree.tostring(robot, encoding="unicode")
 
 
 def with_camera(urdf_xml: str, hand_eye: HandEyeSettings) -> str:

@@ -21,6 +21,7 @@ VERBS: Dict[str, Tuple[str, str, str]] = {
     "benchmark": (STUDY, "benchmark", "run a published protocol and write its table"),
     "calibrate": (ROS, "calibrate", "calibrate a camera, its place on the arm, or the plane of the target"),
     "identify": (ROS, "identify", "identify an arm from a bag, or design a motion that tells its parameters"),
+    "replay-on-twin": (STUDY, "replay_on_twin", "repeat a recorded run on the twin of its arm"),
     "robot": (CORE, "robot", "print, check and add arms"),
     "scenario": (CORE, "scenario", "list, print, begin and check scenarios; print their keys"),
 }
@@ -44,7 +45,7 @@ def main(argv: Optional[List[str]] = None) -> int:
     parser = argparse.ArgumentParser(
         prog=PROGRAM, formatter_class=argparse.RawDescriptionHelpFormatter,
         description="Visual servoing: run, watch, sweep and compare scenarios.",
-        epilog="verbs:\n" + "\n".join(f"  {verb:<11}{what}" for verb, (_, _, what) in VERBS.items())
+        epilog="verbs:\n" + "\n".join(f"  {verb:<16}{what}" for verb, (_, _, what) in VERBS.items())
                + f"\n\n`{PROGRAM} VERB --help` explains a verb and ends with examples.")
     parser.add_argument("verb", choices=list(VERBS), metavar="VERB ...", help="what to do")
     complete.offer(parser)

@@ -1,11 +1,11 @@
-"""The verb `robot show | check | add`; `show`, which may be left out: an arm as the controller sees it."""
+"""The verb `robot show | check | add | meshes`; `show`, which may be left out: an arm as the controller sees it."""
 
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
 import numpy as np
 
-from . import EXIT_PASSED, Command, file, robot_add, robot_check
+from . import EXIT_PASSED, Command, file, robot_add, robot_check, robot_meshes
 
 
 def _options(parser: ArgumentParser) -> None:
@@ -44,4 +44,5 @@ VERBS = {"robot": {
                     _options, _work),
     "check": robot_check.COMMAND,
     "add": robot_add.COMMAND,
+    "meshes": robot_meshes.COMMAND,
 }}

@@ -39,6 +39,10 @@ class RobotSettings:
         None,
         help="Where a calibration found the camera on the arm, or beside it; the controller then goes by this and "
              "not by tip_link.")
+    joint_offsets: Dict[str, float] = setting(
+        {}, unit="m, rad", by="joint",
+        help="True minus reported position by joint, as `aras-servo calibrate joint_offsets` finds it; the controller "
+             "reckons with it, and set-points stay those of the arm.")
     dynamics: Optional[DynamicsSettings] = setting(
         None,
         help="In what this robot differs from its URDF and its controllers' file: friction, loops, payload. "

@@ -205,6 +205,19 @@ def test_the_camera_stands_where_the_urdf_has_it_at_every_posture():
         np.testing.assert_allclose(camera, pose_from_rpy([0.03, 0.05, 0.17], [0.0, 0.0, 0.0]), atol=ROUNDING)
 
 
+@pytest.mark.parametrize("name", ["experiment_1", "iiwa7"])
+def test_offsets_of_the_joints_move_the_camera_as_the_joints_do(name):
+    scenario = load_scenario(name)
+    plain, random = scenario.kinematics(), np.random.default_rng(3)
+    offsets = dict(zip(plain.joint_names, random.uniform(-0.1, 0.1, len(plain.joint_names)).tolist()))
+    off = scenario.with_overrides({"robot.joint_offsets": offsets})
+    q = scenario.goal_posture(plain)
+    np.testing.assert_allclose(off.kinematics().pose(q), plain.pose(q + plain.vector(offsets)), atol=1e-12)
+    np.testing.assert_array_equal(off.kinematics(calibrated=False).pose(q), plain.pose(q))
+    with pytest.raises(ParameterError, match="joint_offsets"):
+        scenario.with_overrides({"robot.joint_offsets": {"nobody": 0.1}})
+
+
 def test_a_calibrated_camera_stands_where_the_calibration_has_it():
     place = {"link": "world", "position_m": [0.3, 0.2, 0.1], "rpy_rad": [0.1, -0.2, 0.3]}
     kinematics = chain("experiment_1", hand_eye=place)

@@ -11,7 +11,8 @@ import sys
 import pytest
 import yaml
 
-from aras_visual_servo import cli, load_scenario, scenario_names
+from aras_visual_servo import cli, load_scenario, package_path, scenario_names
+from aras_visual_servo.config.files import arm_names
 from aras_visual_servo.cli.main import VERBS, alias_main, main, verb_named
 
 DOCS = pathlib.Path(__file__).resolve().parents[5] / "docs"
@@ -36,7 +37,8 @@ def folder(tmp_path_factory):
     page = (DOCS / "extending.md").read_text()
     for name, language in (("my_servo.py", "python"), ("mine.yaml", "yaml")):
         (folder / name).write_text(re.search(rf"```{language}\n(.*?)```", page, re.DOTALL)[1])
-    (folder / "arm.urdf").write_text(load_scenario("experiment_1").urdf_xml())
+    for name, arm in (("arm", "experiment_1"), ("ur5e", "ur5e")):
+        (folder / f"{name}.urdf").write_text(load_scenario(arm).urdf_xml())
     page = (DOCS / "your_arm.md").read_text()
     (folder / "my_arm.urdf").write_text(re.search(r"```xml\n(.*?)```", page, re.DOTALL)[1])
     code, said = run(folder, "sweep", "experiment_1", "--starts", "2", "--workers", "0", "--name", "STAMP", "--set",
@@ -205,25 +207,31 @@ def test_over_ros_the_launch_gets_the_changes(tmp_path, monkeypatch):
     assert given == load_scenario("experiment_2", {"servo.gains_per_s.xn": 1.5}).as_dict()
 
 
-@pytest.mark.parametrize("arm", ["", "ur5e"])
-def test_the_launch_file_loads_what_a_scenario_extends_and_what_set_says(arm):
+@pytest.mark.parametrize("arm, name", [("", "experiment_2"), ("ur5e", "experiment_2"), ("", "so101")])
+def test_the_launch_file_loads_what_a_scenario_extends_and_what_set_says(arm, name):
     said = subprocess.run(["roslaunch", "--dump-params", "aras_visual_servo_controller", "servo.launch", f"arm:={arm}",
-                           "scenario:=experiment_2", "set:=sim.seed=3 servo.gains_per_s.xn=1.5"], check=True,
+                           f"scenario:={name}", "set:=sim.seed=3 servo.gains_per_s.xn=1.5"], check=True,
                           stdout=subprocess.PIPE, timeout=240).stdout
     found, robot = yaml.safe_load(said), {"robot": arm} if arm else {}
-    whole = load_scenario("experiment_2", {**robot, "sim.seed": 3, "servo.gains_per_s.xn": 1.5})
+    whole = load_scenario(name, {**robot, "sim.seed": 3, "servo.gains_per_s.xn": 1.5})
     expected = whole.as_dict()
     assert found["/aras_visual_servo/robot_description"] == whole.urdf_xml()
-    for name, controller in whole.controllers().items():
-        assert found[f"/aras_visual_servo/{name}/type"] == controller["type"]
+    for key, controller in whole.controllers().items():
+        assert found[f"/aras_visual_servo/{key}/type"] == controller["type"]
     scenario = found["/aras_visual_servo/scenario"]
     assert {key: scenario[key] for key in expected if key != "time"} == {
         key: value for key, value in expected.items() if key != "time"}
     assert scenario["time"] == {**expected["time"], "start_paused": True}
     assert not [name for name in found if name.startswith("/aras_visual_servo/scenario/")]  # one parameter, no conflict
     assert found["/aras_visual_servo/experiment/repeat"] == (
-        f"aras-servo run experiment_2 --ros{' --set robot=' * bool(arm)}{arm} --set sim.seed=3 "
+        f"aras-servo run {name} --ros{' --set robot=' * bool(arm)}{arm} --set sim.seed=3 "
         "--set servo.gains_per_s.xn=1.5")
+
+
+def test_the_launch_file_knows_every_named_arm():
+    path = package_path("aras_visual_servo_controller") / "launch" / "servo.launch"
+    known = re.search(r"scenario in \[(.*?)\]", path.read_text())[1]
+    assert [name.strip("' ") for name in known.split(",")] == sorted(arm_names())
 
 
 def completed(line):

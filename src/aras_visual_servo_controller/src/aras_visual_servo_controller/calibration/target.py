@@ -8,7 +8,12 @@ import numpy as np
 from aras_visual_servo import ParameterError
 from aras_visual_servo.spatial import exponential
 from .boards import Board
-from .camera import CameraCalibration
+from .camera_model import CameraCalibration
+from .family import CALIBRATIONS, Calibrated, Request, Value
+from .samples import found_views, image_of_file
+
+#: Largest standard deviations of the depth, as a part of it, and of the normal [rad].
+MOST_SPREAD, MOST_TILT_RAD = 0.02, 0.05
 
 
 @dataclass(frozen=True)
@@ -38,11 +43,28 @@ class TargetPlane:
                 "goal in numbers, tilt, mm at the target": 1e3 * self.z_star_m * self.stddev_tilt_rad}
 
 
+@CALIBRATIONS.register("target", about="depth and normal of the plane that the board is on, for experiment.z_star_m "
+                       "and servo.target_normal_C", files="one image, at the goal")
+def target(request: Request) -> Calibrated:
+    """The calibration `target`."""
+    if len(request.files) != 1:
+        raise ParameterError(f"target: found {len(request.files)} images, allowed one, at the goal")
+    names, views, _ = found_views(request.files, [image_of_file(path) for path in request.files], request.board)
+    found = target_plane(views[0], request.board, request.calibrated_camera())
+    values = (Value("depth", found.z_star_m, found.stddev_z_m, "m"),
+              *(Value(f"normal {axis}", float(value), found.stddev_tilt_rad, "1")
+                for axis, value in zip("xyz", found.normal_C)))
+    document = {"servo": {"target_normal_C": [float(round(value, 6)) for value in found.normal_C]},
+                "experiment": {"z_star_m": float(round(found.z_star_m, 6))}}
+    return Calibrated(document, values, names, found.residual_px, (found.residual_px,), 6, views, found.cost(),
+                      advice="a board that is not flat, or another camera file")
+
+
 def target_plane(view: np.ndarray, board: Board, camera: CameraCalibration) -> TargetPlane:
     """`TargetPlane` of a board in a view. Args: view: (n, 2) pixels.  camera: `CameraCalibration`.
 
     Raises ParameterError: the board is seen from its edge, so that the optical axis does not meet its plane in front;
-    or the residual is far above the camera's own.
+    the residual is far above the camera's own; or depth and normal are hardly known.
     """
     X_CO, view = camera.pose_of(view, board), np.asarray(view, dtype=float)
     jacobian = np.column_stack([_derivative(X_CO, k, board, camera) for k in range(6)])
@@ -59,8 +81,12 @@ def target_plane(view: np.ndarray, board: Board, camera: CameraCalibration) -> T
     slope = np.array([(_plane(X_CO @ exponential(step))[1] - depth_m) / 1e-6 for step in 1e-6 * np.eye(6)])
     tilt = float(np.sqrt(np.linalg.eigvalsh(covariance[3:5, 3:5])[-1]))
     of_focal_length = np.nan_to_num(depth_m * 0.5 * (camera.stddev[:2] / np.diag(camera.K)[:2]).sum())
-    return TargetPlane(X_CO, depth_m, normal, residual_px,
-                       float(np.hypot(np.sqrt(slope @ covariance @ slope), of_focal_length)), tilt)
+    stddev_m = float(np.hypot(np.sqrt(slope @ covariance @ slope), of_focal_length))
+    if not (stddev_m < MOST_SPREAD * depth_m and tilt < MOST_TILT_RAD):
+        raise ParameterError(f"board: found its depth known to {1e2 * stddev_m / depth_m:.2g} % and its normal to "
+                             f"{np.degrees(tilt):.2g} deg, allowed {1e2 * MOST_SPREAD:g} % and "
+                             f"{np.degrees(MOST_TILT_RAD):.2g} deg: take a larger board, or look from nearer")
+    return TargetPlane(X_CO, depth_m, normal, residual_px, stddev_m, tilt)
 
 
 def _plane(X_CO):

@@ -10,7 +10,8 @@ import traceback
 from dataclasses import replace
 
 import rospy
-from std_msgs.msg import Bool
+import yaml
+from std_msgs.msg import Bool, String
 
 from aras_visual_servo import ArasError, ParameterError, RealSettings, ServoRecord, SetPoint, Status, make_form
 from aras_visual_servo_msgs.msg import InputTiming
@@ -53,6 +54,9 @@ class RealControllerNode(ControllerNode):
         for message in self._form.messages(SetPoint(0, self._kinematics.joint_names, zeros, zeros, True)):
             self._publishers[message.topic] = rospy.Publisher(message.topic, convert.message_class(message.kind),
                                                               queue_size=10, tcp_nodelay=True)
+        if rospy.has_param("scenario"):  # so that a bag holds the configuration of its run
+            self._scenario_publisher = rospy.Publisher("scenario", String, queue_size=1, latch=True)
+            self._scenario_publisher.publish(yaml.safe_dump(rospy.get_param("scenario"), sort_keys=False))
         self._timing_publisher = rospy.Publisher("input_timing", InputTiming, queue_size=200)
         rospy.Subscriber("deadman", Bool, self._on_deadman, tcp_nodelay=True)
         threading.Thread(target=self._command_loop, name="commands", daemon=True).start()

@@ -1,6 +1,7 @@
 """Camera, hand-eye and target calibrated from images that the simulator draws, against the truth that it knows."""
 
 import functools
+import re
 import tempfile
 from pathlib import Path
 
@@ -14,7 +15,8 @@ from aras_visual_servo import judge, kinematics_of, load_scenario, ParameterErro
 from aras_visual_servo.cli.main import main
 from aras_visual_servo.spatial import inverse, rotation_angle, rotation_rpy, rotation_vector
 from aras_visual_servo_controller.calibration.boards import Board
-from aras_visual_servo_controller.calibration.camera import calibrate_camera, CameraCalibration
+from aras_visual_servo_controller.calibration.camera import calibrate_camera
+from aras_visual_servo_controller.calibration.camera_model import CameraCalibration
 from aras_visual_servo_controller.calibration.hand_eye import calibrate_hand_eye
 from aras_visual_servo_controller.calibration.target import target_plane
 
@@ -121,8 +123,12 @@ def test_the_commands_write_what_the_scenario_reads_and_a_taught_goal_is_reached
     grid = ["--board", "circles", "--columns", "4", "--rows", "11", "--size-m", "0.025", "--z-star-m", str(Z_STAR_M)]
     camera, hand = str(tmp_path / "camera.yaml"), tmp_path / "hand_eye.yaml"
     images = [str(path) for path in sorted(tmp_path.glob("*.png"))]
-    assert main(["calibrate", "camera", *images, *grid, "--output", camera]) == 0
+    page = tmp_path / "camera.html"
+    assert main(["calibrate", "camera", *images, *grid, "--output", camera, "--report", str(page)]) == 0
     told = capsys.readouterr().out
+    assert all(f"<td>{image}</td>" in page.read_text() for image in images) and "<td>k3</td>" in page.read_text()
+    times = float(re.search(r"the residual is ([\d.]+) times", told)[1])
+    assert 0.7 < times < 2.5  # errors of the detector are no white noise
     assert "# residual 0.0" in told and f"over {VIEWS} views" in told and "taught goal: 0" in told
     assert main(["calibrate", "hand_eye", str(tmp_path / "samples.yaml"), *grid, "--camera", camera, "--scenario",
                  "experiment_1", "--link", LINK, "--output", str(hand)]) == 0

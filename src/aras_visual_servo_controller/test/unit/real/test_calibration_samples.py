@@ -5,10 +5,11 @@ import pytest
 import yaml
 
 from aras_visual_servo_controller.calibration.boards import Board
-from aras_visual_servo_controller.calibration.camera import CameraCalibration, calibrate_camera
+from aras_visual_servo_controller.calibration.camera import calibrate_camera
+from aras_visual_servo_controller.calibration.camera_model import CameraCalibration
 from aras_visual_servo_controller.calibration.hand_eye import calibrate_hand_eye
 from aras_visual_servo_controller.calibration.target import target_plane
-from aras_visual_servo_controller.cli.calibrate import _joint_faults
+from aras_visual_servo_controller.calibration.samples import joint_faults
 from aras_visual_servo.ground.errors import ParameterError
 from aras_visual_servo.spatial import inverse, rotation_angle, rotation_rpy
 
@@ -133,7 +134,7 @@ class Arm:
 
 def test_joints_beyond_their_limits_missing_or_no_numbers_are_named():
     def keys(joints):
-        return [fault.split(": ")[1] for fault in _joint_faults(Arm, {"image": "a.png", "joints": joints})]
+        return [fault.split(": ")[1] for fault in joint_faults(Arm, {"image": "a.png", "joints": joints})]
     assert keys({"turn": 3.1, "slide": 1e9}) == []
     assert keys({"turn": 31.0, "slide": "1,5"}) == ["joints.turn", "joints.slide"]
     assert keys({"turn": True}) == ["joints.turn", "joints.slide"]

@@ -19,6 +19,7 @@ from ..files import write_whole
 from ..report.figure import STYLE, draw_panel, save_both
 from ..report.page import flat_settings
 from ..report.template import render
+from .settling import settling_s
 from .laws_report import COLOURS, FLOOR_DEG, FLOOR_MM, TABLE, cells
 from ..sweep.judge import judge_row
 
@@ -93,7 +94,10 @@ def make_figure(runs: Sequence[Run]) -> Figure:
 def table_of(runs: Sequence[Run]) -> List[Tuple[str, Sequence[str]]]:
     """[(title, a text per run)] of the table of laws."""
     columns = zip(*(cells(rows_of(run)) for run in runs))
-    return [(title if title != "[deg]" else "error [deg]", texts) for (_, title, _), texts in zip(TABLE, columns)]
+    table: List[Tuple[str, Sequence[str]]] = [(title if title != "[deg]" else "error [deg]", texts)
+                                              for (_, title, _), texts in zip(TABLE, columns)]
+    settled = [settling_s(run.record) for run in runs]
+    return [*table, ("settled [s]", ["–" if np.isnan(value) else f"{value:.2f}" for value in settled])]
 
 
 def save_side_by_side(runs: Sequence[Run], folder: Path, command: str) -> Path:
