@@ -17,6 +17,9 @@ from ..bags.joint_log import JointLog, read_joint_log
 BEYOND = 0.1
 OVERLAY, PAGE, NUMBERS, MOTION = "robot.identified.yaml", "identified.html", "identified.json", "excite.yaml"
 
+NOT_CONVERGED = ("the fit did not converge: the values have no intervals. Record a longer motion, or start from a "
+                 "model that is nearer to the arm.")
+
 
 def _options(parser: ArgumentParser) -> None:
     parser.add_argument("bag", nargs="?", type=cli.file, metavar="BAG",
@@ -63,7 +66,8 @@ def _identified(arguments: Namespace, scenario: Scenario) -> Dict[str, str]:
     twin = identify_twin(recording, scenario, arguments.payload)
     found = twin.identified
     rows = [{"name": name, "value": f"{each.value:.5g}", "unit": each.unit,
-             "interval": "{:.5g} to {:.5g}".format(*each.interval)} for name, each in found.estimates.items()]
+             "interval": "{:.5g} to {:.5g}".format(*each.interval) if twin.converged else "unknown"}
+            for name, each in found.estimates.items()]
     unknown = [{"name": each.name, "others": ", ".join(each.not_apart_from), "motion": each.motion}
                for each in found.unknown]
     for row in rows:
@@ -71,14 +75,19 @@ def _identified(arguments: Namespace, scenario: Scenario) -> Dict[str, str]:
     for row in unknown:
         apart = f"cannot be told apart from {row['others']}" if row["others"] else "this bag does not tell it"
         print(f"{row['name']}: {apart}; {row['motion']}")
+    if not twin.converged:
+        notes += (NOT_CONVERGED,)
+        print(NOT_CONVERGED)
     held = twin.held_out
     print("held-out part, root mean square error: " + ", ".join(f"{name} {value:.2g}" for name, value in held.items()))
     numbers = {"robot": arguments.robot, "bag": arguments.bag, "held_out": held, "residual": found.residual,
-               "estimates": {name: {"value": each.value, "stddev": each.stddev, "interval": each.interval,
-                                    "unit": each.unit} for name, each in found.estimates.items()},
+               "converged": twin.converged,
+               "estimates": {name: {"value": each.value, "unit": each.unit, **(
+                   {"stddev": each.stddev, "interval": each.interval} if twin.converged else {})}
+                   for name, each in found.estimates.items()},
                "unknown": [{"name": each.name, "not_apart_from": each.not_apart_from, "motion": each.motion}
                            for each in found.unknown],
-               "covariance": {"names": twin.names, "matrix": twin.covariance.tolist()}}
+               "covariance": {"names": twin.names, "matrix": twin.covariance.tolist()} if twin.converged else None}
     page = study("report.identified").identified_html(
         f"{scenario.name} as {Path(arguments.bag).name} shows it", arguments.repeat, twin.joint_names, twin.times_s,
         twin.measured, twin.simulated, twin.fitted, rows, unknown, notes)
