@@ -156,7 +156,8 @@ class ReplayedRobot:
             range_kg = 0.1 * sum(masses)
             # Gravity is linear in the first moments. In the position it is not: the valley of the cost would be bent
             # where the mass is known badly, and the covariance would not describe it.
-            found.append(Parameter(PAYLOAD[0], "kg", 0.1 * range_kg, range_kg, LEAST_MASS * range_kg))
+            # A small mass far away has a large inertia: fits that begin with one may end at the bound of the mass.
+            found.append(Parameter(PAYLOAD[0], "kg", 0.5 * range_kg, range_kg, LEAST_MASS * range_kg))
             found += [Parameter(name, "kg m", 0.0, LEVER_M * range_kg, -np.inf) for name in PAYLOAD[1:]]
         return found
 
