@@ -101,7 +101,8 @@ def trial(seed, arm, seconds):
     start = time.perf_counter()
     twin = identify_twin(recording, scenario, last)
     spent = time.perf_counter() - start
-    found = twin.identified.estimates
+    # Intervals of a fit that did not converge are infinite, and hold every truth.
+    found = {name: each for name, each in twin.identified.estimates.items() if twin.converged and name in truth}
     off = {name: (each.value - truth[name]) / each.stddev for name, each in found.items()}
     inside = {name: each.interval[0] <= truth[name] <= each.interval[1] for name, each in found.items()}
     return {"arm": arm, "seed": seed, "inside": int(sum(inside.values())), "known": len(inside),
@@ -125,6 +126,7 @@ def main():
     print(f"{len(rows)} arms: {inside} of {known} truths inside their 95 % interval ({100 * inside / known:.1f} %), "
           f"{sum(len(row['unknown']) for row in rows)} not told; held-out error at most "
           f"{max(row['held_out_by_noise'] for row in rows):.2f} x noise; "
+          f"{sum(not row['converged'] for row in rows)} did not converge; "
           f"{np.median([row['seconds'] for row in rows]):.0f} s each (median)")
 
 
