@@ -47,7 +47,8 @@ def draw(rng, names, effort):
                       f"{name}.friction": limit * rng.uniform(0.002, 0.03)})
     truth.update({"gravity_scale": rng.uniform(0.95, 1.05), "command_delay_s": rng.integers(0, 60) / 1e3})
     truth["payload.mass"] = rng.uniform(0.2, 1.0) * 0.01 * effort.max()
-    truth.update({f"payload.{axis}": value for axis, value in zip("xyz", rng.uniform(-0.1, 0.1, 3))})
+    place = rng.uniform(-0.1, 0.1, 3)
+    truth.update({f"payload.first_{axis}": truth["payload.mass"] * x for axis, x in zip("xyz", place)})
     return truth
 
 
@@ -58,7 +59,7 @@ def record(rng, arm, truth, seconds):
     dynamics = {"damping": values["damping"], "friction": values["friction"],
                 "loops": {name: {"p": values["p"][name], "d": values["d"][name]} for name in names},
                 "payload": {"link": last, "mass_kg": truth["payload.mass"],
-                            "position_m": [truth[f"payload.{axis}"] for axis in "xyz"]}}
+                            "position_m": [truth[f"payload.first_{axis}"] / truth["payload.mass"] for axis in "xyz"]}}
     sim = simulation_of(replace(scenario, robot={**scenario.robot, "dynamics": dynamics}, sim={
         "initial_positions": scenario.sim["initial_positions"],
         "gravity_m_s2": [0.0, 0.0, -9.81 * truth["gravity_scale"]],
@@ -100,13 +101,14 @@ def trial(seed, arm, seconds):
     start = time.perf_counter()
     twin = identify_twin(recording, scenario, last)
     spent = time.perf_counter() - start
-    found = twin.identified.estimates
+    # Intervals of a fit that did not converge are infinite, and hold every truth.
+    found = {name: each for name, each in twin.identified.estimates.items() if twin.converged and name in truth}
     off = {name: (each.value - truth[name]) / each.stddev for name, each in found.items()}
     inside = {name: each.interval[0] <= truth[name] <= each.interval[1] for name, each in found.items()}
     return {"arm": arm, "seed": seed, "inside": int(sum(inside.values())), "known": len(inside),
             "outside": {name: round(off[name], 2) for name, well in inside.items() if not well},
             "unknown": [each.name for each in twin.identified.unknown if each.name in truth],
-            "held_out_by_noise": max(twin.held_out.values()) / NOISE, "seconds": spent}
+            "converged": twin.converged, "held_out_by_noise": max(twin.held_out.values()) / NOISE, "seconds": spent}
 
 
 def main():
@@ -124,6 +126,7 @@ def main():
     print(f"{len(rows)} arms: {inside} of {known} truths inside their 95 % interval ({100 * inside / known:.1f} %), "
           f"{sum(len(row['unknown']) for row in rows)} not told; held-out error at most "
           f"{max(row['held_out_by_noise'] for row in rows):.2f} x noise; "
+          f"{sum(not row['converged'] for row in rows)} did not converge; "
           f"{np.median([row['seconds'] for row in rows]):.0f} s each (median)")
 
 

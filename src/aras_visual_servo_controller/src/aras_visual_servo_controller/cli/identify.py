@@ -9,13 +9,20 @@ from typing import Any, Dict, Iterator, List, Tuple
 import numpy as np
 import yaml
 
-from aras_visual_servo import ParameterError, Scenario, cli, load_scenario, study
+from aras_visual_servo import ParameterError, Scenario, cli, load_scenario, robot_kinematics, study
+from aras_visual_servo.spatial import inverse
 from ..bags.any_bag import AnyBag
 from ..bags.joint_log import JointLog, read_joint_log
+from ..calibration.boards import KINDS, Board
+from ..identification.estimates import Identified
 
 #: Positions may be beyond the limits of the URDF by this. [m or rad]
 BEYOND = 0.1
 OVERLAY, PAGE, NUMBERS, MOTION = "robot.identified.yaml", "identified.html", "identified.json", "excite.yaml"
+CAMERA = "camera.yaml"
+
+NOT_CONVERGED = ("the fit did not converge: the values have no intervals. Record a longer motion, or start from a "
+                 "model that is nearer to the arm.")
 
 
 def _options(parser: ArgumentParser) -> None:
@@ -26,6 +33,13 @@ def _options(parser: ArgumentParser) -> None:
                         help="the arm's model: a named arm, or the scenario file that `robot add` made of a URDF")
     parser.add_argument("--payload", metavar="LINK", help="fit a payload on this link")
     parser.add_argument("--joint-states", metavar="TOPIC", help="topic of the joint states, where the bag has two arms")
+    parser.add_argument("--board", choices=KINDS, help="fit what images of a resting board of this kind tell, too")
+    parser.add_argument("--columns", type=int, help="of the board: inner corners, or circles, in a row")
+    parser.add_argument("--rows", type=int, help="of the board: rows of them")
+    parser.add_argument("--size-m", type=float,
+                        help="of the board: side of a square, or distance of rows of circles [m]")
+    parser.add_argument("--link", help="link that carries the camera, for robot.hand_eye")
+    parser.add_argument("--images", metavar="TOPIC", help="topic of the images, where the bag has several")
     parser.add_argument("--excite", action="store_true",
                         help=f"design a motion within the limits that tells the parameters, and write it to {MOTION}; "
                              "without BAG nothing else is done")
@@ -60,10 +74,16 @@ def _identified(arguments: Namespace, scenario: Scenario) -> Dict[str, str]:
     """The files of the result, name -> text."""
     from ..identification.twin import identify_twin
     recording, notes = _recording(arguments, scenario)
+    seen = _seen(arguments, scenario, recording)
     twin = identify_twin(recording, scenario, arguments.payload)
     found = twin.identified
+    if seen is not None:
+        found = Identified({**found.estimates, **seen.identified.estimates}, found.unknown + seen.identified.unknown,
+                           found.residual)
+        print(f"corners, root mean square error: {seen.residual_px:.2g} px, held-out part {seen.held_out_px:.2g} px")
     rows = [{"name": name, "value": f"{each.value:.5g}", "unit": each.unit,
-             "interval": "{:.5g} to {:.5g}".format(*each.interval)} for name, each in found.estimates.items()]
+             "interval": "{:.5g} to {:.5g}".format(*each.interval) if twin.converged else "unknown"}
+            for name, each in found.estimates.items()]
     unknown = [{"name": each.name, "others": ", ".join(each.not_apart_from), "motion": each.motion}
                for each in found.unknown]
     for row in rows:
@@ -71,19 +91,62 @@ def _identified(arguments: Namespace, scenario: Scenario) -> Dict[str, str]:
     for row in unknown:
         apart = f"cannot be told apart from {row['others']}" if row["others"] else "this bag does not tell it"
         print(f"{row['name']}: {apart}; {row['motion']}")
+    if not twin.converged:
+        notes += (NOT_CONVERGED,)
+        print(NOT_CONVERGED)
     held = twin.held_out
     print("held-out part, root mean square error: " + ", ".join(f"{name} {value:.2g}" for name, value in held.items()))
     numbers = {"robot": arguments.robot, "bag": arguments.bag, "held_out": held, "residual": found.residual,
-               "estimates": {name: {"value": each.value, "stddev": each.stddev, "interval": each.interval,
-                                    "unit": each.unit} for name, each in found.estimates.items()},
+               "converged": twin.converged,
+               "estimates": {name: {"value": each.value, "unit": each.unit, **(
+                   {"stddev": each.stddev, "interval": each.interval} if twin.converged else {})}
+                   for name, each in found.estimates.items()},
                "unknown": [{"name": each.name, "not_apart_from": each.not_apart_from, "motion": each.motion}
                            for each in found.unknown],
-               "covariance": {"names": twin.names, "matrix": twin.covariance.tolist()}}
+               "covariance": {"names": twin.names, "matrix": twin.covariance.tolist()} if twin.converged else None}
     page = study("report.identified").identified_html(
         f"{scenario.name} as {Path(arguments.bag).name} shows it", arguments.repeat, twin.joint_names, twin.times_s,
         twin.measured, twin.simulated, twin.fitted, rows, unknown, notes)
-    return {OVERLAY: _overlay(arguments, scenario, twin.overlay, [row["name"] for row in unknown]), PAGE: page,
-            NUMBERS: json.dumps(numbers, indent=1) + "\n"}
+    section = twin.overlay
+    made = {}
+    if seen is not None:
+        numbers["corners_px"] = {"residual": seen.residual_px, "held_out": seen.held_out_px}
+        section = _with_images(arguments, scenario, section, seen)
+        made[CAMERA] = seen.camera.as_yaml()
+    return {OVERLAY: _overlay(arguments, scenario, section, [row["name"] for row in unknown]), PAGE: page,
+            NUMBERS: json.dumps(numbers, indent=1) + "\n", **made}
+
+
+def _seen(arguments: Namespace, scenario: Scenario, recording: Any) -> Any:
+    """`SeenArm` of the images, or None without --board."""
+    if arguments.board is None:
+        return None
+    from ..identification.board_views import read_board_views
+    from ..identification.images import Sightings, identify_images
+    lacking = [f"--{key.replace('_', '-')}: found none, allowed with --board that of the board"
+               for key in ("columns", "rows", "size_m") if getattr(arguments, key) is None]
+    if lacking:
+        raise ParameterError(lacking)
+    board = Board(arguments.board, arguments.columns, arguments.rows, arguments.size_m)
+    with AnyBag(arguments.bag) as bag:
+        camera, times_s, pixels = read_board_views(bag, board, arguments.images)
+    return identify_images(recording, Sightings(times_s, pixels), board, camera, scenario.kinematics())
+
+
+def _with_images(arguments: Namespace, scenario: Scenario, section: Dict[str, Any], seen: Any) -> Dict[str, Any]:
+    """The overlay with the delay of the images, and with the camera on --link where the images tell its place."""
+    from ..identification.images import HAND_EYE
+    told = seen.identified.estimates
+    section = dict(section)
+    if "image_delay_s" in told:
+        section["real"] = {"image_delay_s": round(max(told["image_delay_s"].value, 0.0), 6)}
+    if arguments.link is not None and all(name in told for name in HAND_EYE):
+        camera = scenario.kinematics()
+        q = scenario.goal_posture(camera)
+        link = robot_kinematics(scenario.urdf_xml(), scenario.robot["base_link"], arguments.link)
+        X_FC = inverse(link.pose(link.vector(camera.by_name(q)))) @ camera.camera(q)
+        section["robot"] = {**section["robot"], "hand_eye": {"link": arguments.link, **seen.hand_eye(X_FC)}}
+    return section
 
 
 def _overlay(arguments: Namespace, scenario: Scenario, section: Dict[str, Any], unknown: List[str]) -> str:

@@ -1,7 +1,7 @@
 """Values with uncertainty, what a recording leaves open, and the least squares that tell them apart."""
 
 from dataclasses import dataclass
-from typing import Dict, List, Sequence, Tuple
+from typing import Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -15,15 +15,18 @@ MOST_SHARE = 1e-2
 
 @dataclass(frozen=True)
 class Estimate:
-    """Attributes: value, stddev: in `unit`."""
+    """Attributes: value, stddev: in `unit`.  bounds: of the 95 % interval, where it is not symmetric."""
 
     value: float
     stddev: float
     unit: str
+    bounds: Optional[Tuple[float, float]] = None
 
     @property
     def interval(self) -> Tuple[float, float]:
         """Bounds of the 95 % interval."""
+        if self.bounds is not None:
+            return self.bounds
         return self.value - HALF_95 * self.stddev, self.value + HALF_95 * self.stddev
 
 

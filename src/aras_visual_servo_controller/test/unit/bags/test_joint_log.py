@@ -89,6 +89,10 @@ def test_two_arms_and_other_joints_are_named(tmp_path):
     (lambda names: states(names=names, scale=40.0), "rad, not degrees"),
     (lambda names: states(names=("a", "b")), "/arm/joint_states has a, b"),
     (lambda names: [("/clock", Float64(1.0), 1.0)], "no topic has joint states"),
+    (lambda names: states("/left/joint_states", names=names) + states("/right/joint_states", names=names),
+     "choose it with --joint-states"),
+    (lambda names: [(topic, state(t - 2.0 * (t > 102.0), message.position, names), at_)
+                    for (topic, message, at_), t in zip(states(names=names), TIMES)], "allowed increasing stamps"),
     (lambda names: states(names=names, scale=1e-5) + [
         ("/arm/joint_command", state(t, np.zeros(5), names), t) for t in TIMES], "position: found motions of at most")])
 def test_bad_bags_are_named_and_nothing_is_written(tmp_path, capsys, messages, words):

@@ -2,6 +2,7 @@
 import dataclasses
 import pathlib
 import sys
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -9,8 +10,10 @@ import yaml
 
 from aras_visual_servo import ParameterError, Scenario, load_scenario, simulation_of
 from aras_visual_servo_controller import Commands, Recording, identify_twin
+from aras_visual_servo_controller.identification import twin as twin_module
 from aras_visual_servo_controller.identification.dynamics import TreeDynamics
 from aras_visual_servo_controller.identification.excite import _condition, design, trajectory_yaml
+from aras_visual_servo_controller.identification.profile import profile
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 from secret_arm import NOMINAL, controllers
@@ -70,6 +73,31 @@ def test_secret_parameters_are_in_their_intervals_and_the_twin_repeats_what_was_
     section = twin.overlay["robot"]["dynamics"]
     assert section["friction"]["J2"] == pytest.approx(TRUTH["J2.friction"], rel=0.1)
     assert twin.overlay["sim"]["command_delay_s"] == pytest.approx(TRUTH["command_delay_s"], abs=6e-4)
+
+
+def test_a_fit_that_did_not_converge_has_no_intervals(tmp_path, monkeypatch):
+    monkeypatch.setattr(twin_module, "ROUNDS", 0)
+    monkeypatch.setattr(twin_module, "FIRST_ROUNDS", 1)
+    twin = identify_twin(recording(tmp_path, np.random.default_rng(4), "position", seconds=2.5), scenario(tmp_path))
+    assert not twin.converged and np.isinf(twin.covariance).all()
+    assert all(estimate.interval == (-np.inf, np.inf) for name, estimate in twin.identified.estimates.items())
+
+
+def test_a_profile_follows_a_cost_that_is_no_parabola():
+    """Two values are known by their sum well, and the inverse of the first is known by 0.1."""
+    def residual(way):
+        return np.array([(1.0 / (1.0 + way[0]) - 1.0) / 0.1, (way[0] + way[1]) / 1e-3])
+    slope = np.array([[-10.0, 0.0], [1e3, 1e3]])
+    with ThreadPoolExecutor(1) as pool:
+        found = profile(residual, slope, pool)
+        low, high = sorted(found.ends[0, :, 0])
+        np.testing.assert_allclose((low, high), (1.0 / 1.196 - 1.0, 1.0 / 0.804 - 1.0), rtol=0.05)
+        np.testing.assert_allclose(found.ends[0].sum(axis=1), 0.0, atol=1e-3)
+        assert found.lower is None and found.ends.shape == (1, 2, 2)
+        assert profile(lambda way: slope @ way, slope, pool).directions.shape == (2, 0)
+        lower = profile(lambda way: np.append(slope @ way, 9.0 * (way[0] < 0.05)),
+                        np.vstack([slope, np.zeros(2)]), pool).lower
+        assert lower is not None and lower[0] > 0.05
 
 
 def test_a_joint_that_rests_is_named_with_the_motion_that_would_tell_it(tmp_path):
