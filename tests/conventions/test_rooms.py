@@ -9,7 +9,8 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 FLOORS = {
     "aras_visual_servo": (("ground",), ("config",), ("features", "arm"), ("laws",), ("servo",), ("runs",),
                           ("scenario",), ("cli",)),
-    "aras_visual_servo_controller": (("bags", "calibration", "real"), ("identification",), ("nodes",), ("cli",)),
+    "aras_visual_servo_controller": (("bags", "calibration", "real"), ("identification",), ("nodes",), ("ros2",),
+                                     ("cli",)),
     "aras_visual_servo_study": (("live",), ("report",), ("sweep",), ("compare",), ("cli",)),
 }
 #: A Python package imports itself and those before it. Only the table of verbs names those after it, as text.

@@ -130,3 +130,31 @@ def test_what_is_missing_is_said_in_one_sentence(tmp_path, module, code):
     assert result.returncode
     assert result.stderr.decode().splitlines()[-1].count("which `script/bootstrap --extras` installs") == 1
     assert list(pathlib.Path(tmp_path).iterdir()) == []
+
+
+def test_a_bag_becomes_one_of_ros2(tmp_path, capsys):
+    import rosbag
+    from rosbags.highlevel import AnyReader
+    from rospy import Time
+    from sensor_msgs.msg import CameraInfo
+    from visualization_msgs.msg import Marker
+    info = CameraInfo(height=3, width=4, K=[float(i) for i in range(9)], D=[0.5])
+    info.header.stamp, info.header.frame_id = Time(1, 2), "camera"
+    with rosbag.Bag(str(tmp_path / "run.bag"), "w") as bag:
+        bag.write("/info", info, Time(5))
+        bag.write("/marker", Marker(ns="target", id=3), Time(6))  # whose fields in ROS 2 are others
+    target = tmp_path / "run.rosbag2"
+    assert export_main([str(tmp_path / "run.bag"), "--to", str(target)]) == 0
+    assert sorted(path.name for path in target.iterdir()) == ["metadata.yaml", "run.rosbag2.mcap"]
+    with AnyReader([target]) as reader:
+        (first, marker) = [(connection, time, reader.deserialize(data, connection.msgtype))
+                           for connection, time, data in reader.messages()]
+    connection, time_ns, message = first
+    assert (connection.topic, connection.msgtype, time_ns) == ("/info", "sensor_msgs/msg/CameraInfo", 5 * 10**9)
+    assert (message.header.stamp.nanosec, message.header.frame_id, message.width) == (2, "camera", 4)
+    assert message.k.tolist() == info.K and message.d.tolist() == [0.5]
+    assert (marker[2].ns, marker[2].id, marker[2].mesh_file.filename) == ("target", 3, "")
+    assert export_main([str(tmp_path / "run.bag"), "--to", str(target)]) == 2
+    assert export_main(["experiment_1", "--to", str(tmp_path / "other.rosbag2")]) == 2
+    assert "is there already" in capsys.readouterr().err
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["run.bag", "run.rosbag2"]

@@ -17,6 +17,8 @@ from .nodes.graph import Graph as Graph
 from .nodes.launch import run_over_ros as run_over_ros
 
 # For packages built on this one
+from .ros2.wire import definitions_of as definitions_of
+from .ros2.wire import to_cdr as to_cdr
 from .nodes.calls import call_service as call_service
 from .nodes.conversions import JointReader as JointReader
 from .nodes.conversions import LazyJointState as LazyJointState

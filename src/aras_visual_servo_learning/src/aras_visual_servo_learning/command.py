@@ -1,6 +1,7 @@
 """The command `export`. Exit codes: 0 done, 2 bad input, 3 could not run."""
 
 import os
+import shutil
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 from typing import Iterable, Iterator, List, Optional, Tuple, Union
@@ -17,7 +18,8 @@ def export_main(argv: Optional[List[str]] = None) -> int:
 def _options(parser: ArgumentParser) -> None:
     parser.add_argument("sources", nargs="+", metavar="SOURCE", help="bag or folder of bags, folder of a sweep (its "
                         "runs are repeated), or scenario by name or path, which is run here")
-    parser.add_argument("--to", required=True, metavar="FILE", help="file to write: NAME.hdf5 or NAME.mcap")
+    parser.add_argument("--to", required=True, metavar="FILE", help="file to write: NAME.hdf5 or NAME.mcap, or folder "
+                        "of a ROS 2 bag: NAME.rosbag2")
     parser.add_argument("--images", action="store_true", help="HDF5 only: with the images of the servo phase")
     parser.add_argument("--converged", action="store_true", help="HDF5 only: leave out runs that did not converge")
 
@@ -25,25 +27,30 @@ def _options(parser: ArgumentParser) -> None:
 def _work(arguments: Namespace) -> int:
     target = Path(os.path.expanduser(arguments.to))
     kind = target.suffix
-    if kind not in (".hdf5", ".mcap"):
-        raise ParameterError(f"--to: found '{target}', allowed NAME.hdf5 | NAME.mcap")
-    if kind == ".mcap" and (arguments.images or arguments.converged):
-        raise ParameterError("--images, --converged: found .mcap, allowed with .hdf5 only")
-    part = target.with_name(target.name + ".part")  # a file of this name is a whole one
+    if kind not in WRITERS:
+        raise ParameterError(f"--to: found '{target}', allowed {' | '.join('NAME' + kind for kind in WRITERS)}")
+    if kind != ".hdf5" and (arguments.images or arguments.converged):
+        raise ParameterError(f"--images, --converged: found {kind}, allowed with .hdf5 only")
+    if kind == ".rosbag2" and target.exists():
+        raise ParameterError(f"--to: {target} is there already; choose another name")
+    folder = target.with_name(target.name + ".part")  # a file or folder named `target` is a whole one
+    folder.mkdir(exist_ok=True)
     try:
-        said = _hdf5(arguments, part) if kind == ".hdf5" else _mcap(arguments, part)
-        os.replace(part, target)
+        said = WRITERS[kind](arguments, folder / target.name)
+        os.replace(folder / target.name, target)
     finally:
-        part.unlink(missing_ok=True)
+        shutil.rmtree(folder)
     print(f"{target}: {said}")
     return cli.EXIT_PASSED
 
 
 EXPORT = cli.Command(
-    "Write runs and sweeps as HDF5 in robomimic's layout, or as MCAP.",
+    "Write runs and sweeps as HDF5 in robomimic's layout, as MCAP, or as a bag of ROS 2.",
     [("experiment_1 --to runs.hdf5 --images", "a scenario, run here, with its images, as robomimic reads it"),
      ("results/sweeps/experiment_1/STAMP --to sweep.hdf5", "every run of a sweep"),
-     ("results/experiment_1/STAMP/run.bag --to run.mcap", "every message of a bag")], _options, _work)
+     ("results/experiment_1/STAMP/run.bag --to run.mcap", "every message of a bag"),
+     ("results/experiment_1/STAMP/run.bag --to run.rosbag2", "the same with ROS 2 types, for ROS 2's tools")],
+    _options, _work)
 
 
 def _hdf5(arguments: Namespace, path: Path) -> str:
@@ -62,6 +69,18 @@ def _mcap(arguments: Namespace, path: Path) -> str:
                 for name, record in records([source]):
                     file.add_record(name, record)
     return f"{file.messages} messages"
+
+
+def _rosbag2(arguments: Namespace, path: Path) -> str:
+    from .rosbag2_folder import write_rosbag2
+    faults = [f"SOURCE: found '{source}', allowed with .rosbag2 are bags and folders of bags"
+              for source in arguments.sources if not is_bag(source)]
+    if faults:
+        raise ParameterError(faults)
+    return f"{write_rosbag2(path, arguments.sources)} messages"
+
+
+WRITERS = {".hdf5": _hdf5, ".mcap": _mcap, ".rosbag2": _rosbag2}
 
 
 def is_bag(source: Union[str, Path]) -> bool:

@@ -10,6 +10,7 @@ from . import EXIT_BROKEN, PROGRAM, Verb, complete, guarded, run_verb
 from ..studies import sister
 
 CORE, ROS, STUDY = "aras_visual_servo", "aras_visual_servo_controller", "aras_visual_servo_study"
+LEARNING = "aras_visual_servo_learning"
 #: verb -> (package, module of its folder `cli`, what it does). The module has the verb in a dict VERBS.
 VERBS: Dict[str, Tuple[str, str, str]] = {
     "run": (CORE, "run", "run a scenario, judge it by the true camera pose, and write a report"),
@@ -19,14 +20,18 @@ VERBS: Dict[str, Tuple[str, str, str]] = {
     "rerun": (STUDY, "sweep", "repeat one run of a sweep, with its report"),
     "compare": (STUDY, "compare", "compare sweeps, laws or single runs"),
     "benchmark": (STUDY, "benchmark", "run a published protocol and write its table"),
+    "export": (LEARNING, "export", "write runs and sweeps as a data set, as MCAP or as a bag of ROS 2"),
     "calibrate": (ROS, "calibrate", "calibrate a camera, its place on the arm, or the plane of the target"),
     "identify": (ROS, "identify", "identify an arm from a bag, or design a motion that tells its parameters"),
     "replay-on-twin": (STUDY, "replay_on_twin", "repeat a recorded run on the twin of its arm"),
     "robot": (CORE, "robot", "print, check and add arms"),
+    "ros2": (ROS, "ros2", "relay a running simulator to ROS 2 nodes, and run such nodes"),
     "scenario": (CORE, "scenario", "list, print, begin and check scenarios; print their keys"),
 }
 #: The word of a verb that may be left out.
-USUAL = {"robot": "show"}
+USUAL = {"robot": "show", "ros2": "relay"}
+#: Verbs that may be typed alone, because their usual word needs no arguments.
+ALONE = ("ros2",)
 
 
 def main(argv: Optional[List[str]] = None) -> int:
@@ -62,7 +67,8 @@ def other_installation(program: str) -> Optional[Path]:
 
 def _run(name: str, words: List[str]) -> int:
     verb = verb_named(name)
-    if isinstance(verb, dict) and name in USUAL and words and words[0] not in (*verb, "-h", "--help"):
+    first = words[0] if words else name in ALONE
+    if isinstance(verb, dict) and name in USUAL and first and first not in (*verb, "-h", "--help"):
         words = [USUAL[name], *words]
     return run_verb(f"{PROGRAM} {name}", verb, words)
 

@@ -34,7 +34,7 @@ def _work(arguments: Namespace) -> int:
         scenario = scenario_of(arguments)
         check_feasible(scenario)
         return ros.run(scenario, arguments)
-    given = [f"--{name}" for name in ("record", "split", "compression", "namespace", "verbose")
+    given = [f"--{name}" for name in ("record", "split", "compression", "namespace", "ros2", "verbose")
              if getattr(arguments, name, None)]
     if given:
         raise ParameterError(f"{', '.join(given)}: found without --ros, allowed with it: a run in this process has "

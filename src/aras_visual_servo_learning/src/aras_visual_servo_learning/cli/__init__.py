@@ -1,0 +1,1 @@
+"""The verbs of `aras-servo` that this package has."""

@@ -1,0 +1,5 @@
+"""The verb `export`."""
+
+from ..command import EXPORT
+
+VERBS = {"export": EXPORT}
