@@ -135,11 +135,14 @@ def _seen(arguments: Namespace, scenario: Scenario, recording: Any) -> Any:
 
 def _with_images(arguments: Namespace, scenario: Scenario, section: Dict[str, Any], seen: Any) -> Dict[str, Any]:
     """The overlay with the delay of the images, and with the camera on --link where the images tell its place."""
-    from ..identification.images import HAND_EYE
+    from ..identification.images import HAND_EYE, OFFSET
     told = seen.identified.estimates
     section = dict(section)
     if "image_delay_s" in told:
         section["real"] = {"image_delay_s": round(max(told["image_delay_s"].value, 0.0), 6)}
+    offsets = {name[:-len(OFFSET)]: round(told[name].value, 6) for name in told if name.endswith(OFFSET)}
+    if offsets:
+        section["robot"] = {**section["robot"], "joint_offsets": offsets}
     if arguments.link is not None and all(name in told for name in HAND_EYE):
         camera = scenario.kinematics()
         q = scenario.goal_posture(camera)

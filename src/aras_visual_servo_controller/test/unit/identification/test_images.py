@@ -68,9 +68,11 @@ def test_delay_zeros_lens_hand_eye_and_size_are_in_their_intervals_and_what_is_o
 def test_the_overlay_puts_the_camera_where_the_images_have_it():
     arm = load_scenario("ur5e")
     told = {name: Estimate(0.0, 1.0, "") for name in (*HAND_EYE, "image_delay_s")}
-    found = SeenArm(Identified({**told, "image_delay_s": Estimate(0.07, 1e-4, "s")}, [], {}), 0.1, 0.1, CAMERA, X_CC)
+    told |= {"image_delay_s": Estimate(0.07, 1e-4, "s"), "elbow_joint.offset": Estimate(0.02, 1e-4, "rad")}
+    found = SeenArm(Identified(told, [], {}), 0.1, 0.1, CAMERA, X_CC)
     section = _with_images(Namespace(link="tool0"), arm, {"robot": {"dynamics": {}}}, found)
     assert section["real"] == {"image_delay_s": 0.07} and section["robot"]["dynamics"] == {}
+    assert section["robot"]["joint_offsets"] == {"elbow_joint": 0.02}
     q = arm.goal_posture(arm.kinematics())
     there = dataclasses.replace(arm, robot={**arm.robot, "hand_eye": section["robot"]["hand_eye"]}).kinematics()
     np.testing.assert_allclose(there.camera(q), arm.kinematics().camera(q) @ X_CC, atol=1e-9)
