@@ -30,6 +30,7 @@ export class Connection {
       const message = JSON.parse(data);
       if (message.type === "about") this.model.about_is(message);
       else if (message.type === "set") this.model.values_are(message.values, message.waiting, message.ends);
+      else if (message.type === "servo") this.model.emit("servo", message);
       else if (message.type === "answer") this.answered(message);
       return;
     }

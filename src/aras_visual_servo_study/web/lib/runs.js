@@ -10,9 +10,6 @@ const AT_ONCE = ["FAULT", "TARGET_LOST"];
 /** A joint nearer than this to the end of its way is at its limit, and has left it when it is farther away [m, rad]. */
 const AT_LIMIT = 0.005, OFF_LIMIT = 0.02;
 
-/** A row that is told so long after its time is one of the past [s]. */
-const LATE_S = 1, KEPT = "aras runs";
-
 /** [lower, upper] within which the servo keeps a joint: its limits less the margin; null: it has none. */
 export const kept = ({ lower, upper }, margin) => (lower === null || upper === null ? null : [lower + margin, upper - margin]);
 
@@ -58,26 +55,24 @@ export class Runs {
     this.now = null;
     this.count = 0;
     this.last = "";
-    try { this.kept = JSON.parse(sessionStorage.getItem(KEPT)) || []; } catch { this.kept = []; }
+    this.begun = [];   // what the run says of the beginning of each servo: { image, values, after }
     model.on("rows", (_, added) => { for (const row of added) this.take(row); });
     model.on("anew", () => this.leave());
     model.on("about", (about) => { if (this.names && this.names !== String(about.rows)) this.leave(); this.names = String(about.rows); });
-    model.on("values", () => { if (this.now?.values) { this.now.after = structuredClone(model.values); this.found = null; } });
+    model.on("servo", (message) => this.told(message));
   }
 
   take(row) {
     const { column, about } = this.model, servo = row[column.servo], status = about.statuses[row[column.status]], before = this.last;
     this.last = status;
-    if (!this.now && !servo) {
-      if (status === "IDLE" && before !== "IDLE") this.driven = structuredClone(this.model.values);   // a law that faults at once is no longer in use when that is told
-      if (!AT_ONCE.includes(status) || before === status || before === "") return;
-    }
     if (!this.now) {
+      const begun = this.begun.findLast((one) => one.image <= row[column.image]) || null;   // the first rows may have been thinned away
+      if (!servo && (!AT_ONCE.includes(status) || before === "" || !begun || begun.known)) return;
       // A page that was away is sent all rows again.
       const image = row[column.image];
       if (this.all.some((run) => run.images[0] <= image && image <= run.images[1] && Math.abs(run.from - row[0]) <= run.to - run.from)) return;
-      const values = this.settings(row, servo);
-      this.now = { rows: [], column, about, values, after: values, margin: marginOf(this.model), number: ++this.count, from: row[0], to: row[0], images: [image, image], marks: [], status: "SERVOING", ended: false, told: "", at: new Set() };
+      if (begun) begun.known = true;
+      this.now = { rows: [], column, about, begun, margin: marginOf(this.model), number: ++this.count, from: row[0], to: row[0], images: [image, image], marks: [], status: "SERVOING", ended: false, told: "", at: new Set() };
       this.mark(row[0], "began", "began");
       this.all.push(this.now);
       this.found = null;
@@ -96,23 +91,15 @@ export class Runs {
     if (servo && told && told !== run.told) this.mark(row[0], status, told);
     run.told = told;
     if (servo) return;
-    if (status === "FAULT") { run.after = run.values; this.found = null; }   // the run may have left the law at fault
     this.mark(row[0], status, MARKED[status] || status === "JOINT_LIMIT" ? `ended, ${ENDED[status]}` : ENDED[status] || "ended");
     this.close();
   }
 
-  /** The settings with which a run begins; of one from before this page was loaded, as it was kept then, or null. */
-  settings(row, servo) {
-    const { values, state, column } = this.model;
-    if (state.t - row[0] < LATE_S + state.factor) return !servo && this.driven ? this.driven : structuredClone(values);
-    const image = row[column.image];   // the first rows may have been thinned away
-    return this.kept.find(({ from, to, images }) => from <= row[0] && row[0] <= to && images[0] <= image && image <= images[1])?.values || null;
-  }
-
-  /** Keeps the settings of the runs for the page that is loaded next in this tab. */
-  keep() {
-    const known = this.all.filter((run) => run.values && run.ended).map(({ from, to, images, values }) => ({ from, to, images, values }));
-    try { sessionStorage.setItem(KEPT, JSON.stringify(known)); } catch { /* a private window */ }
+  /** Takes in the settings with which a servo began, or ended. They come before the rows of that moment. */
+  told({ image, values, after }) {
+    this.found = null;
+    if (values) this.begun = [...this.begun.filter((one) => one.image < image), { image, values, after: values }].slice(-MOST_RUNS);
+    else for (const one of [...this.begun, ...this.all.map(({ begun }) => begun)]) if (one?.image === image) one.after = after;
   }
 
   /** Marks the joints that meet their limits, whatever the status says: the joint alone tells that. */
@@ -146,26 +133,25 @@ export class Runs {
     this.now = null;
     if (!run) return;
     run.ended = true;
-    this.keep();
     this.model.emit("run", run);
   }
 
   /** The settings in which the runs differ, beside law and gains, by path. */
   differences() {
     if (this.found) return this.found;
-    const all = this.all.filter((run) => run.values).flatMap((run) => [run.flat ||= flat(run.values), run.after === run.values ? run.flat : flat(run.after)]);
+    const all = this.all.filter((run) => run.begun).flatMap(({ begun: { values, after } }) => [flat(values), ...(after === values ? [] : [flat(after)])]);
     const paths = new Set(all.flatMap((one) => Object.keys(one)));
     this.found = [...paths].filter((path) => !/^(name|description|servo\.law|servo\.gains_per_s\..*)$/.test(path) && all.some((one) => String(one[path]) !== String(all[0][path])));
     return this.found;
   }
 
   name(run) {
-    return `run ${run.number}: ${run.values ? this.words(run) : "settings of before this page was opened"}, ${run.ended ? ENDED[run.status] || "ended" : "servoing"}, ${(run.to - run.from).toFixed(1)} s`;
+    return [`run ${run.number}: ${run.ended ? ENDED[run.status] || "ended" : "servoing"} ${(run.to - run.from).toFixed(1)} s`, ...(run.begun ? [this.words(run)] : [])].join(", ");
   }
 
   /** Law and gains of a run, and what tells it from the others. */
   words(run) {
-    const { values, after, about } = run, named = [change(values.servo.law, after.servo.law), `gain ${change(gains(values), gains(after))}`];
+    const { begun: { values, after }, about } = run, named = [change(values.servo.law, after.servo.law), `gain ${change(gains(values), gains(after))}`];
     let more = this.differences();
     if (more.some((path) => path.startsWith("experiment.start."))) named.push(`start of run ${this.starts(run)}`);
     more = more.filter((path) => !path.startsWith("experiment.start."));
@@ -179,7 +165,7 @@ export class Runs {
 
   /** The number of the first run that began where this one did. */
   starts(run) {
-    const start = (one) => JSON.stringify(one.values?.experiment?.start ?? null);
+    const start = (one) => JSON.stringify(one.begun?.values.experiment?.start ?? null);
     return this.all.find((one) => start(one) === start(run)).number;
   }
 }

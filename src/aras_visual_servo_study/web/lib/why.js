@@ -15,6 +15,12 @@ const READ_MS = 400;
 export const statusWords = (status) => WORDS[status] || status;
 export const statusKind = (status) => KIND[status] || "";
 
+/** How the last servo ended and what has changed since, by the number that its run has in this page. */
+const since = (runs, { ended, since: change, text }) => {
+  const last = runs.all[runs.all.length - 1];
+  return change && last?.ended ? `run ${last.number}: ${statusWords(ended)}; ${change} since` : text;
+};
+
 const sentence = (text) => (text ? text[0].toUpperCase() + text.slice(1) + (/[.!?]\s*$/.test(text) ? "" : ".") : "");
 
 export const why = (page, place) => {
@@ -32,7 +38,7 @@ export const why = (page, place) => {
     pill.textContent = word;
     pill.className = `pill ${driving ? "busy" : statusKind(state.status)}`;
     pill.dataset.status = state.status;
-    text.textContent = state.text === word || state.text === state.phase ? "" : sentence(state.text);
+    text.textContent = state.text === word || state.text === state.phase ? "" : sentence(since(page.runs, state));
     advice.textContent = state.advice;
     place.dataset.kind = state.kind;
     if (!same) told.textContent = `${word}. ${text.textContent} ${state.advice}`;   // a reader hears what has changed, not every number

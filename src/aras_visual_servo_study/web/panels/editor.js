@@ -14,7 +14,7 @@ const make = (page) => {
   const save = button("Save as a file", "Download the text as law.py, for aras-servo run --law NAME --plugins law", () => download("law.py", new Blob([text.value], { type: "text/x-python" })), { id: "law-save" });
 
   const lines = () => text.value.split("\n");
-  let bad = [];
+  let bad = [], refused = false;
   const number = () => {
     numbers.replaceChildren(...lines().map((_, i) => el("span", { class: bad.includes(i + 1) ? "bad" : "" }, `${i + 1}\n`)));
     text.rows = Math.min(24, Math.max(10, lines().length + 1));
@@ -33,9 +33,21 @@ const make = (page) => {
     faults.replaceChildren(el("ul", {}, ...told.map(([fault, line]) => el("li", {}, line ? button(`Line ${line}`, "Go to this line", () => go(line), { class: "quiet", "data-line": line }) : null, ` ${fault.replace(LINE, "")}`))));
     number();
   };
-  const send = () => page.ask({ do: "write_law", text: text.value }).then(() => show([]), (error) => show(error.faults || [error.message]));
+  /** What is true of the text as it stands here: the run knows the newest one that it accepted only. */
+  const tell = () => {
+    const { editor, taught } = model.state || {}, inUse = `The law ${model.values.servo.law} is in use.`, press = `Press ${taught ? "Again" : "Run all"} to servo with it.`;
+    const say = (is, words) => { told.dataset.is = is; told.textContent = words; };
+    if (!editor) say("", "");
+    else if (refused) say("refused", `This text was refused, and nothing has changed. ${inUse}`);
+    else if (text.value !== model.about.editor.text) say("edited", `This text has not been checked yet. ${inUse}`);
+    else if (editor.waits) say("waits", `Accepted. ${press}`);
+    else if (editor.law) say("used", `The law ${editor.law} of this text is in use. ${press}`);
+    else if (editor.again) say("left", `The servo with this text ended by the fault below. The law ${editor.again} is used again.`);
+    else say("other", inUse);
+  };
+  const send = () => page.ask({ do: "write_law", text: text.value }).then(() => { refused = false; show([]); }, (error) => { refused = true; show(error.faults || [error.message]); }).then(tell);
 
-  text.addEventListener("input", () => { bad = []; number(); });
+  text.addEventListener("input", () => { refused = false; show([]); tell(); });
   text.addEventListener("scroll", () => { numbers.scrollTop = text.scrollTop; });
   text.addEventListener("keydown", (event) => {
     if (event.key !== "Enter") return;
@@ -46,15 +58,16 @@ const make = (page) => {
     text.setRangeText(`\n${" ".repeat(far)}`, text.selectionStart, text.selectionEnd, "end");
     number();
   });
-  let last = "";
+  let last = "", faulty = "[]";
   model.on("state", ({ editor }) => {
-    const now = JSON.stringify([editor || null, model.state.taught]);
+    const now = JSON.stringify([editor || null, model.state.taught]), found = JSON.stringify(editor?.faults || []);
     if (!editor || now === last) return;
-    if (editor.faults.length) { box.open = true; show([...editor.faults, "The servo ended. The former law is used again."]); }
+    if (editor.faults.length && found !== faulty && text.value === model.about.editor.text) { box.open = true; show(editor.faults); }
     last = now;
-    const again = model.state.taught ? "Again" : "Run all";
-    told.textContent = editor.waits ? `Accepted. Press ${again} to servo with it.` : editor.law ? `The law ${editor.law} of this text is in use. Press ${again} to servo with it.` : "";
+    faulty = found;
+    tell();
   });
+  model.on("values", tell);
   body.append(el("p", { class: "soft" }, "Write a law in Python, press Use it, then Again. A law gives the camera's velocity from the features s and their errors e. Its code runs in the program on this machine."),
     el("div", { class: "editor" }, numbers, text), el("div", { class: "line" }, apply, save), told, faults);
   number();

@@ -161,7 +161,8 @@ def _latency_faults(value, schema) -> Iterator[Fault]:
         try:
             latency_s, longest_s = here("latency_s", 0.0), _longest_latency_s(value, schema, here)
             if latency_s > longest_s:
-                yield Fault(("sim", "cameras", i, "latency_s"), f"found {latency_s:g}, allowed <= "
-                            f"servo.input_timeout_s - 1 / rate_hz - 2 sim.period_s = {longest_s:.4g}", True)
+                yield Fault(("sim", "cameras", i, "latency_s"), f"found {latency_s:g}, allowed <= {longest_s:.4g} s; "
+                            "a longer input timeout allows more: servo.input_timeout_s - 1 / rate_hz - 2 sim.period_s",
+                            True)
         except (TypeError, ArithmeticError, ValueError):  # one of them is no number: the schema says so
             continue

@@ -80,6 +80,20 @@ class Servo:
         """Returns why the servo cannot use these features (None: there are none); an empty text if it can."""
         return self.goal.why_lost(features)
 
+    def errors(self, features: Optional[Any]) -> np.ndarray:
+        """Returns e of a view, (k,), without a step of the servo; NaN where the goal or the view does not tell it.
+
+        Args: features: of the view; None: there are none.
+        """
+        goal = self.goal
+        if goal.reference is not None and not self.why_lost(features):
+            symmetric = getattr(features, "symmetric", False) or self.config.symmetric_target
+            try:
+                return np.array(goal.features.error(goal.features.values(View(features)), goal.s_star, symmetric))
+            except DegenerateFeature:
+                pass
+        return np.full(len(goal.features), nan)
+
     def split(self, q: np.ndarray, q_dot: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
         """Returns ((n,), (n,)): what of the joint velocities q_dot at q moves the camera, and the null-space motion."""
         return self._arm.split(q, q_dot)

@@ -40,6 +40,7 @@ class Moment:
     Attributes: status, text, phase: of the record.  q: (n,) joint positions.  size: (width, height) of the image [px].
         seen: where the target was seen last, or None.
         away_C: (4, 4) motion that brings the target back to where it was taught, in the camera's frame; None: unknown.
+        swings: whether the camera swings, or swung when the servo ended.
     """
 
     status: Status
@@ -50,6 +51,7 @@ class Moment:
     size: Tuple[int, int]
     seen: Optional[Seen] = None
     away_C: Optional[np.ndarray] = None
+    swings: bool = False
 
 
 def _last_seen(moment: Moment) -> str:
@@ -111,10 +113,13 @@ FACTS: Dict[str, Callable[[Moment], str]] = {
 JOINT = r"joint '(?P<joint>[^']+)'"
 AT_LIMIT = rf"{JOINT} at its limit|at their limits, the others go on: (?P<joints>[^;)]+)"
 ENDS = (Status.TIMED_OUT, Status.STOPPED)
+SWINGS = "the camera swings; "
 HELD = (Status.OUT_OF_REACH, Status.JOINT_LIMIT, Status.NEAR_SINGULARITY, Status.SERVOING)
 
-#: (kind, statuses, pattern of the text, what to do now).
+#: (kind, statuses, pattern of the text, what to do now). The text of a camera that swings begins with SWINGS.
 TABLE: Tuple[Tuple[str, Tuple[Status, ...], str, str], ...] = (
+    ("swings", (*HELD, *ENDS, Status.TARGET_LOST), f"^{SWINGS}",
+     "The camera swings to and fro: lower the gains or the latency, then press Again to compare."),
     ("out_of_reach", (*HELD, *ENDS), r"would have to go on|cannot go on",
      "{way_back}: the arm goes on as soon as it can reach it."),
     ("chatters", (*HELD, *ENDS), rf"{JOINT} chatters",
@@ -149,6 +154,8 @@ TABLE: Tuple[Tuple[str, Tuple[Status, ...], str, str], ...] = (
      "Drag the target to see it followed, or change a gain and press Again to compare."),
     ("settled", (Status.SETTLED,), "",
      "These features do not tell more: use more pixels or samples, or features that see what is left."),
+    ("moved", (Status.IDLE,), r"^the last servo: ",
+     "\u201cServo from here\u201d servoes to the goal that was taught last; Again drives to the start first."),
     ("idle", (Status.IDLE,), "", "Run all drives to the goal, teaches it, drives to the start and servoes."),
 )
 _PATTERNS = [re.compile(pattern) for _, _, pattern, _ in TABLE]
@@ -158,8 +165,9 @@ def advice(moment: Moment) -> Tuple[str, str]:
     """Returns (kind, what to do now) for a moment of a run; ("", "") while it goes on as it should."""
     if moment.phase not in ("servo", "done", "idle"):
         return "", ""
+    told = (SWINGS if moment.swings else "") + moment.text
     for (kind, statuses, _, text), pattern in zip(TABLE, _PATTERNS):
-        found = pattern.search(moment.text) if moment.status in statuses else None
+        found = pattern.search(told) if moment.status in statuses else None
         if found is None:
             continue
         words = {key: value for key, value in found.groupdict().items() if value}

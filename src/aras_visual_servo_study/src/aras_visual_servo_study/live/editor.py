@@ -46,7 +46,8 @@ class LawEditor:
         self._waiting: Optional[WrittenLaw] = None
         self._used: Optional[WrittenLaw] = None
         self._before: Optional[WrittenLaw] = None
-        self._former, self._status = "", Status.IDLE
+        self._newest: Optional[WrittenLaw] = None
+        self._former, self._again, self._status = "", "", Status.IDLE
         self._faults: List[str] = []
 
     def write(self, text: str) -> Dict[str, Any]:
@@ -60,7 +61,7 @@ class LawEditor:
                 if isinstance(error, ArasError) and not place:
                     raise
                 raise ParameterError(f"{place}{type(error).__name__}: {error}") from error
-        self.text, self._waiting, self._faults = text, law, []
+        self.text, self._newest, self._waiting, self._faults, self._again = text, law, law, [], ""
         return {"law": law.name}
 
     def begin(self, law: str) -> None:
@@ -93,6 +94,7 @@ class LawEditor:
             if used is not None:
                 used.put()
             return
+        self._again = self._former + (" as it was written before" if self._before is not None else "")
         self._used, self._before = self._before, None
 
     def _use(self, law: WrittenLaw, former: str) -> None:
@@ -114,8 +116,9 @@ class LawEditor:
     def state(self, law: str) -> Dict[str, Any]:
         """Returns, for JSON, how the newest text stands. Args: law: name of the one in use.
 
-        law: its name, "" if it is none of the editor's.  waits: whether another one is used from the next
-        servo on.  faults: of the last servo, for which the law was left.
+        law: its name, "" if it is not that of the newest text.  waits: whether the newest one is used from the next
+        servo on.  faults: of the last servo, or why the text could not be used.  again: the law that is used again
+        since that servo, in words; "" if there is none.
         """
-        return {"law": law if self.has(law) else "", "waits": self._waiting is not None,
-                "faults": self._faults}
+        return {"law": law if self.has(law) and self._used is self._newest else "", "waits": self._waiting is not None,
+                "faults": self._faults, "again": self._again}

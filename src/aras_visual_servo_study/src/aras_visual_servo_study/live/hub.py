@@ -25,7 +25,7 @@ class Hub:
 
     Attributes: pictures: `Pictures` that pages were sent, with their marks, for a page that goes back in time.
 
-    Args: runner: `Runner`, or what has its attributes sample, rows, about and watched.
+    Args: runner: `Runner`, or what has its attributes sample, rows, servos, about and watched.
         notes: what a page is told to begin with, beside what the runner has to say.
     """
 
@@ -36,8 +36,8 @@ class Hub:
         self.pictures = Pictures()
 
     def add(self, viewer: Any) -> None:
-        """A page has come: `viewer` has send(bytes or str), and gets attributes `behind` and `next_row`."""
-        viewer.behind, viewer.next_row, viewer.image_number = 0, 0, -1
+        """A page has come: `viewer` has send(bytes or str), and gets attributes such as `behind` and `next_row`."""
+        viewer.behind, viewer.next_row, viewer.next_servo, viewer.image_number = 0, 0, 0, -1
         self._viewers.append(viewer)
         self._runner.watched = self._runner.attended = True
         viewer.send(_text(self._about_message()))
@@ -100,6 +100,10 @@ class Hub:
             if key not in made:
                 made[key] = self._message(sample, *key)
             message, next_row = made[key]
+            for number, servo in list(self._runner.servos):  # read after the rows: a servo is known before its rows
+                if number >= viewer.next_servo:
+                    viewer.send(_text(servo))
+                    viewer.next_servo = number + 1
             viewer.next_row, viewer.image_number = next_row, sample.image_number
             viewer.behind += 1
             viewer.send(message)

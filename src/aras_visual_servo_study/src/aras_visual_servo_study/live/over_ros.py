@@ -33,6 +33,8 @@ LOOK_S, IDLE_S = 1.0 / 60.0, 0.1
 LINGER_S = 1.0
 #: Joint states of several messages that are no farther apart make one [s].
 APART_S = 0.1
+#: Joint positions this close to an answer tell where the arm is with it [s].
+FRESH_S = 0.2
 #: How many places of the target are kept: one that belongs to an image is needed once that image is answered.
 MOST_TARGETS = 1000
 
@@ -80,13 +82,19 @@ class RosRun(PageRun):
                 self.drive_by_hand(self.time_ns)
 
     def _on_state(self, message):
-        twist, at_ns = message.twist, stamp_ns(message.header)
+        twist, at_ns, self.used = message.twist, stamp_ns(message.header), self.scenario
         self.record = record = ServoRecord(
             at_ns, Status(message.status), message.status_text, message.phase or "idle", e=np.asarray(message.e),
             twist=np.array([getattr(part, axis) for part in (twist.linear, twist.angular) for axis in "xyz"]),
             q=np.asarray(message.q), cond_l=message.cond_l, manipulability=message.manipulability)
-        if self.begin_again(record, self._targets.get(at_ns), self.follow and not self.hand.busy):
+        X_WT = self._targets.get(at_ns)
+        if self.begin_again(record, X_WT, self.follow and not self.hand.busy):
             self._send_goal("taught")
+        else:  # joints are listened to only while a page looks
+            fresh = self._q is not None and abs(self.time_ns - at_ns) < 1e9 * FRESH_S
+            q = self._q if fresh else record.q
+            if len(q):
+                self.record = record = self.of_now(record, q, X_WT)
         known = len(record.q) > 0 and np.isfinite(record.q).all()
         if known:
             self.X_WC = self.kinematics.pose(record.q)

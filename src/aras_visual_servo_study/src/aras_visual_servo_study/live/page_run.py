@@ -2,6 +2,7 @@
 
 import math
 import re
+from dataclasses import replace
 from functools import partial
 from typing import Any, Callable, Dict, List, Optional, Sequence, Set, Tuple
 
@@ -11,12 +12,14 @@ import yaml
 from aras_visual_servo import (JOINT_HALF_WIDTH, TWIST_NAMES, Feasibility, Features, ParameterError, ReachMap,
                                RobotKinematics, Scenario, Servo, ServoRecord, Status, known_features, known_laws,
                                reach_map, scenario_schema, spatial, styles, works_on)
+from .aftermath import MOVED_ARM, TAUGHT, Aftermath, last_servo
 from .advice import Moment, Seen, advice, limit_joint
 from .editor import LawEditor
 from .following import Following
 from .hand import Hand
 from .offers import offer_for
 from .settings import AT_ONCE, changed
+from .swings import Swings
 from .view.projection import project
 from .view.scene import drawn, pose_numbers
 
@@ -39,7 +42,8 @@ class PageRun:
     A backend calls `renew`, keeps the attributes below up to date, and implements what is missing here, as `LiveRun`.
 
     Attributes:
-        scenario: as it stands now.  target: name of the target, or None.  watched: whether a page is ready for news.
+        scenario: as it stands now.  used: as it was when the last image was answered.
+        target: name of the target, or None.  watched: whether a page is ready for news.
         record: of the last image, or None.  X_WC: (4, 4) of the camera then.  image, features: the newest ones or None.
         goal: (image, marks, pose numbers) of the taught view, or None.
         editor: of the law that pages write, or None.
@@ -51,6 +55,7 @@ class PageRun:
 
     def __init__(self, scenario: Scenario) -> None:
         self.scenario, self.version, self.images, self.watched = scenario, 0, 0, False
+        self.used = scenario
         self._draws = 0
         self.editor: Optional[LawEditor] = None
         # A target that the arm carries moves with every motion of the arm: nobody has to follow it.
@@ -61,6 +66,7 @@ class PageRun:
         """Begins anew, with nothing seen and nothing taught."""
         self.kinematics, self.servo, self.camera_info, self.target = kinematics, servo, camera_info, target
         self.hand, self.following = Hand(kinematics), Following()
+        self.aftermath, self.swings = Aftermath(kinematics), Swings()
         self.record: Optional[ServoRecord] = None
         self.image: Optional[np.ndarray] = None
         self.features: Optional[Features] = None
@@ -68,8 +74,10 @@ class PageRun:
         self._view: Optional[Tuple[np.ndarray, np.ndarray]] = None
         self.X_WC, self.taught, self._marked, self._marks = np.eye(4), False, None, {}
         self._seen: Optional[Seen] = None
-        self._advised: Optional[Tuple[Status, str, str]] = None
+        self._advised: Optional[Tuple[Status, str, str, bool]] = None
         self._advice = "", ""
+        self._last: Optional[Tuple[int, np.ndarray]] = None
+        self._ended = Status.IDLE
         self.waiting: Set[str] = set()
         self.version += 1
 
@@ -137,21 +145,22 @@ class PageRun:
         return names.index(name) if name in names else None
 
     def state(self) -> Dict[str, Any]:
-        """Returns what moves, for JSON."""
+        """Returns what moves, for JSON. ended, since: status of the last servo and what has changed since, or ""."""
         record = self.record
         return {"t": round(self.time_ns * 1e-9, 4), "q": [rounded(x) for x in self.joints()],
                 "camera": pose_numbers(self.camera_pose()), "target": pose_numbers(self.target_pose()),
                 "s": [] if self.record is None else [rounded(x) for x in self.record.s],
                 "phase": self.phase, "taught": self.taught, "frame": self.frame, "follow": self.follow,
+                "ended": self._ended.name if self.aftermath.change else "", "since": self.aftermath.change,
                 **self.why(record.status if record else Status.IDLE, record.status_text if record else "")}
 
     def why(self, status: Status, text: str) -> Dict[str, str]:
         """Returns, for JSON, why the run is where it is (status, text), and what a user can do now (kind, advice)."""
-        q, moment = self.joints(), (status, text, self.phase)
+        q, moment = self.joints(), (status, text, self.phase, self.swings.found)
         if self._advised != moment and q is not None:
             size = self.camera_info["width"], self.camera_info["height"]
             self._advised = moment
-            self._advice = advice(Moment(*moment, self.kinematics, q, size, self._seen, self._away()))
+            self._advice = advice(Moment(*moment[:3], self.kinematics, q, size, self._seen, self._away(), moment[3]))
         kind, now = self._advice
         return {"status": status.name, "text": text, "kind": kind, "advice": now}
 
@@ -181,6 +190,29 @@ class PageRun:
         self._view = None if X_WT is None else (X_WC, X_WT)
         if self.image is not None:
             self.goal = np.array(self.image), self.marks(), pose_numbers(X_WC)
+
+    def of_now(self, record: ServoRecord, q: np.ndarray, X_WT: Optional[np.ndarray],
+               e: Optional[np.ndarray] = None) -> ServoRecord:
+        """Returns the record of an answered image, which after a servo repeats its end, with what holds now.
+
+        Args: q: (n,) joints and X_WT: (4, 4) target of this image, None: not known.  e: (k,) errors; None: not known.
+        """
+        before, self._last = self._last, (record.stamp_ns, q)
+        self.swings.take(record, X_WT)
+        self.aftermath.take(record.phase, record.stamp_ns, q, X_WT, self.servo.config.thresholds)
+        if record.phase == "done" and not self.aftermath.over or record.phase not in QUIET:
+            self._ended = record.status
+            return record
+        change = self.aftermath.change
+        if e is not None:
+            dt_s = 0.0 if before is None else 1e-9 * (record.stamp_ns - before[0])
+            moved = np.zeros(len(q)) if before is None or dt_s <= 0.0 else self.kinematics.way(before[1], q) / dt_s
+            record = replace(record, q=q, e=e, twist=self.kinematics.jacobian(q) @ moved)
+        elif change:
+            record = replace(record, q=q, e=np.full(len(record.e), math.nan), twist=np.full(6, math.nan))
+        if change:
+            record = replace(record, status=Status.IDLE, converged=False, status_text=last_servo(self._ended, change))
+        return record
 
     def begin_again(self, record: ServoRecord, X_WT: Optional[np.ndarray], follow: bool) -> bool:
         """Returns whether the servo is to begin again, because the target has moved since it ended.
@@ -213,6 +245,7 @@ class PageRun:
         self._quiet("teach")
         answer = self.teach(request.z_star_m)
         self.following.taught()
+        self.aftermath.note(TAUGHT)
         return answer
 
     def do_follow(self, request: Any) -> None:
@@ -249,6 +282,7 @@ class PageRun:
     def do_joint(self, request: Any) -> None:
         self._quiet("joint")
         self.hand.hold(request.name, request.position, self.joints())
+        self.aftermath.note(MOVED_ARM)
 
     def do_lesson(self, _request: Any) -> Optional[Dict[str, Any]]:
         raise ParameterError("lesson: found a run over ROS, allowed one in process (aras-servo live)")

@@ -88,19 +88,24 @@ class LiveRun(PageRun):
         if due_ns > most_ns + sim.period_ns:
             sim.step(max(1, most_ns // sim.period_ns))
             return False
-        self.record, self.features, self.image = loop.step()
+        self.used = self.scenario
+        record, self.features, self.image = loop.step()
+        self.record, q, X_WT = record, loop.seen.q, loop.seen_target_pose()
         self.X_WC = loop.camera_pose()
         self.images += 1
-        if self.record.phase == "teach" or loop.sequence.teach_stamp_ns == self.record.stamp_ns:
+        if record.phase == "teach" or loop.sequence.teach_stamp_ns == record.stamp_ns:
             self.keep_goal(self.X_WC)
         if self._lesson is not None:
-            self._lesson.take(self.record, self.X_WC)
+            self._lesson.take(record, self.X_WC)
         if self.editor is not None:
-            self.editor.follow(self.servo.config.law, self.record, self.phase == "servo")
+            self.editor.follow(self.servo.config.law, record, self.phase == "servo")
         if self.phase in QUIET:
-            self.drive_by_hand(self.record.stamp_ns)
-        if self.begin_again(self.record, loop.seen_target_pose(), self.follow and self.goal is not None):
+            self.drive_by_hand(record.stamp_ns)
+        if self.begin_again(record, X_WT, self.follow and self.goal is not None):
             self._begin(True)
+        else:
+            e = self.servo.errors(loop.seen.features) if record.phase in QUIET else None
+            self.record = self.of_now(record, q, X_WT, e)
         return True
 
     def _begin(self, servo_only: bool) -> None:

@@ -10,9 +10,10 @@ import queue
 import threading
 import time
 from array import array
+from collections import deque
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Any, Callable, Dict, List, Optional, Tuple
+from typing import Any, Callable, Deque, Dict, List, Optional, Tuple
 
 import numpy as np
 
@@ -30,6 +31,8 @@ MEASURED_S = 0.5
 BEHIND_S = 0.1
 #: Requests with which simulated time begins anew.
 ANEW = ("reset", "lesson", "try_lesson")
+#: How many servos are kept with their settings, as many as a page keeps.
+MOST_SERVOS = 20
 #: Longest that a run sleeps without looking for requests [s].
 NAP_S = 0.02
 #: Wall time after which code that a page has written is interrupted [s].
@@ -69,6 +72,8 @@ class Runner:
     Attributes:
         sample: the newest `Sample`, None before the first.  rows: (index, `packed` row) of images, the newest last; it
         may be replaced by another list at any time, and grows at its end only.
+        servos: (index, message for pages) of each beginning and end of a servo, with the number of its first image and
+        the settings there.
         watched: whether a page is ready for news.
         attended: whether a page is open.  about: of the run, made in its thread.
     """
@@ -86,6 +91,8 @@ class Runner:
         self._image, self._image_number, self._marks, self._goal = None, 0, None, None
         self._row_at_s, self._row_count, self._row_phase = -1.0, 0, ""
         self.rows: List[Tuple[int, "array[float]"]] = []
+        self.servos: Deque[Tuple[int, Dict[str, Any]]] = deque(maxlen=2 * MOST_SERVOS)
+        self._servo_image, self._servo_count = 0, 0
         self.sample, self.watched, self.about = None, False, run.about()
         self.attended = False
         self._thread = threading.Thread(target=self._work, name="live run", daemon=True)
@@ -244,12 +251,24 @@ class Runner:
         wall_s, phase = time.perf_counter(), self._run.phase
         least_s = SERVO_ROW_S if self.attended and phase == "servo" else 0.9 * IMAGE_S
         # The first and the last image of a servo are moments that the time line marks.
+        if phase != self._row_phase:
+            self._note_servo(phase)
         if self._paused or phase != self._row_phase or wall_s - self._row_at_s >= least_s:
             self._row_at_s, self._row_phase = wall_s, phase
             self.rows.append((self._row_count, packed(self._run.row(self._factor))))
             self._row_count += 1
             if len(self.rows) > MOST_ROWS:
                 self.rows = thinned(self.rows, lambda entry: entry[0])  # a new list: pages may be reading the old one
+
+    def _note_servo(self, phase: str) -> None:
+        """Notes the settings with which a servo began or ended. One that ends with its first image does both."""
+        begins, ends = phase == "servo" or phase == "done" != self._row_phase != "servo", phase == "done"
+        if begins:
+            self._servo_image = self._run.images
+        for key in ["values"] * begins + ["after"] * ends:
+            message = {"type": "servo", "image": self._servo_image, key: self._run.used.as_dict()}
+            self.servos.append((self._servo_count, message))
+            self._servo_count += 1
 
     def _show(self):
         """Make a new sample if somebody looks and it is time for one."""

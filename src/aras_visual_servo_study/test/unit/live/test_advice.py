@@ -38,6 +38,14 @@ def test_each_end_has_its_kind_and_names_what_it_is_about(status, text, kind, na
     assert found == kind and named in now and "{" not in now
 
 
+@pytest.mark.parametrize("status, text", [
+    (Status.OUT_OF_REACH, f"out of reach by 9 mm, {LIMIT}"), (Status.JOINT_LIMIT, LIMIT), (Status.SERVOING, "servoing"),
+    (Status.TIMED_OUT, TIME.format(REACH)), (Status.TARGET_LOST, "target not in view")])
+def test_a_camera_that_swings_is_named_before_what_came_of_it(status, text):
+    moment = Moment(status, text, "servo", ARM, np.zeros(6), (320, 240), swings=True)
+    assert advice(moment)[0] == "swings"
+
+
 def test_while_all_goes_well_nothing_is_advised():
     assert told(Status.SERVOING, "servoing") == ("", "") and told(Status.IDLE, "to_goal", "to_goal") == ("", "")
 

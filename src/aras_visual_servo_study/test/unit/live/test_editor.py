@@ -53,7 +53,7 @@ def test_the_example_servoes_and_stands_in_the_file_that_is_saved(run):
     run.do(ask.Start())
     until(run, ended)
     assert run.record.status == Status.CONVERGED
-    assert run.state()["editor"] == {"law": "mine", "waits": False, "faults": []}
+    assert run.state()["editor"] == {"law": "mine", "waits": False, "faults": [], "again": ""}
     assert run.scenario.servo["law"] == "mine" and "mine" in run.about()["choices"]["servo.law"]
     saved = run.do(ask.Save())["yaml"]
     assert saved.startswith("#") and "mine.py" in saved and "law: mine" in saved
@@ -129,6 +129,7 @@ def test_a_law_that_fails_ends_its_servo_and_the_former_one_is_used_again(run, c
     assert state["status"] == "FAULT" and not run.record.q_dot.any()
     fault, = state["editor"]["faults"]
     assert f"law.py:{line}: " in fault
+    assert state["editor"]["law"] == "" and state["editor"]["again"].startswith("mine ")  # the text before it
     run.do(ask.Start("taught"))  # the former text, which has the same name
     run.advance(WHOLE_NS)
     until(run, ended)
@@ -155,6 +156,9 @@ def test_code_that_does_not_come_back_is_interrupted(run, monkeypatch):
             time.sleep(0.02)
         fault, = runner.sample.state["editor"]["faults"]
         assert f"law.py:{FIRST}: " in fault or f"law.py:{FIRST + 1}: " in fault
+        # The servo that ended with its first image is told with the law that it had.
+        begun, ended_with = [message for _, message in runner.servos]
+        assert begun["values"]["servo"]["law"] == ended_with["after"]["servo"]["law"] == "mine"
         assert runner.submit(ask.Stop()).result(LIMIT_S) == {} and runner.about["values"]["servo"]["law"] == "decoupled"
     finally:
         runner.close()

@@ -9,7 +9,7 @@ import yaml
 
 from aras_visual_servo import load_scenario, ParameterError, spatial, Status
 from aras_visual_servo.scenario import reach_map
-from aras_visual_servo_study.live import messages as ask
+from aras_visual_servo_study.live import aftermath, messages as ask
 from aras_visual_servo_study.live.run import LiveRun
 
 WHOLE_NS = 10**12       # to the next image, however far
@@ -54,6 +54,49 @@ def test_the_run_converges_as_a_run_in_process_does(run):
     assert images(run, SERVO_IMAGES, ended)
     assert run.record.status == Status.CONVERGED and run.goal is not None
     assert run.state()["status"] == "CONVERGED"
+
+
+def test_what_is_said_after_the_end_is_of_now():
+    run = begun()
+    assert images(run, SERVO_IMAGES, ended) and images(run, 60) is False
+    state = run.state()
+    assert (state["status"], state["ended"], state["since"]) == ("CONVERGED", "", "")
+    wanted = run.kinematics.by_name(run.joints())["J6"] - 0.3
+    run.do(ask.Joint("J6", wanted))
+    images(run, 60)
+    state, row = run.state(), dict(zip(run.about()["rows"], run.row(1.0)))
+    assert (state["status"], state["ended"], state["kind"]) == ("IDLE", "CONVERGED", "moved") and state["since"]
+    assert abs(row["e.alpha"]) == pytest.approx(0.3, abs=0.02) and row["q.J6"] == pytest.approx(wanted, abs=0.02)
+    run.do(ask.Teach())
+    images(run, 1)
+    assert abs(run.row(1.0)[4]) < 1e-3 and run.state()["status"] == "IDLE"
+    run.do(ask.Start("taught"))
+    assert images(run, SERVO_IMAGES, ended) and run.state()["status"] == "CONVERGED" and run.state()["since"] == ""
+
+
+@pytest.mark.parametrize("changes, change", [
+    ({"servo.thresholds.xn": 1e-6}, aftermath.THRESHOLDS), ({}, aftermath.MOVED_TARGET), ({}, aftermath.TAUGHT)])
+def test_each_change_after_the_end_is_named(run, changes, change):
+    assert images(run, SERVO_IMAGES, ended)
+    run.do(ask.Follow(False))
+    images(run, 2)
+    if changes:
+        run.do(ask.Set(changes))
+    elif change == aftermath.TAUGHT:
+        run.do(ask.Teach())
+    else:
+        run.loop.sim.set_model_pose(run.target, list(run.target_pose()[:3, 3] + (0.01, 0.0, 0.0)), [0.0, 0.0, 0.0, 1.0])
+    images(run, 2)
+    assert run.state()["since"] == change and run.record.status == Status.IDLE
+
+
+def test_a_camera_that_swings_is_named_when_it_ends_elsewhere():
+    run = LiveRun(load_scenario("experiment_1"))
+    gains = {f"servo.gains_per_s.{name}": 12.0 for name in ("xn", "yn", "an", "alpha")}
+    run.do(ask.Set({**gains, "sim.cameras.0.latency_s": 0.16}))
+    run.do(ask.Start())
+    assert images(run, 1000, ended) and run.record.status != Status.CONVERGED
+    assert run.state()["kind"] == "swings"
 
 
 def test_slices_of_time_change_no_byte_of_the_run():

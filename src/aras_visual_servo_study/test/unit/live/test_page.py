@@ -1,5 +1,6 @@
 """The live page in a real browser: its controls are moved, and what the servo did is read."""
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -212,12 +213,18 @@ def test_words_units_and_laws_that_need_other_features(serve, tmp_path):
         browser.value("document.querySelector('#law-text').closest('details').open = true")
         # A law that is written here: its fault leads to its line, and the law of a good text is used.
         write("look.view", "look.view(")
+        told = "document.querySelector('#law-told').dataset.is"
+        browser.wait(f"{told} === 'refused'")
         browser.click(f"[data-line='{browser.wait('document.querySelector(`[data-line]`)?.dataset.line')}']")
         assert browser.value("(() => { const one = document.querySelector('#law-text'); return one === "
                              "document.activeElement && one.getAttribute('aria-invalid') === 'true' && "
                              "one.value.slice(one.selectionStart, one.selectionEnd); })()").endswith("look.view()")
-        write("look.view(", "look.view")
+        write("look.view(", "look.view(1")
+        browser.value("document.querySelector('#law-text').dispatchEvent(new Event('input'))")
+        assert browser.value(told) == "edited"
+        write("look.view(1", "look.view")
         browser.wait("aras.model.values.servo.law === 'mine' && !document.querySelector('[data-line]')")
+        browser.wait(f"{told} === 'used'")
         browser.value("aras.ask({do: 'set', values: {'servo.law': 'decoupled'}}).then(() => 1)")
         # Millimetres and degrees beside the curves' own; the run is asked in metres.
         shown = "Number(document.querySelector('[data-path=\"servo.thresholds.xn\"] input[type=number]').value)"
@@ -290,6 +297,16 @@ def test_time_goes_back_and_two_runs_lie_over_one_another(serve, tmp_path):
         # Runs are named by what differs between them, and by law and gain.
         names = browser.value("aras.runs.all.map((run) => aras.runs.words(run))")
         assert names == ["decoupled, gain 3", "decoupled, gain 6"]
+        whole = browser.value("aras.runs.all.map((run) => aras.runs.name(run))")
+        assert all(re.fullmatch(rf"run {i + 1}: converged \d\.\d s, {names[i]}", whole[i]) for i in (0, 1))
+        # A status is not told of an arm that was moved since.
+        assert browser.value("document.querySelector('#status').dataset.status") == "CONVERGED"
+        browser.value("(() => { const i = 4, q = aras.model.state.q[i]; return aras.ask({do: 'joint', name: "
+                      "aras.model.about.joints[i].name, position: q + (q > 0 ? -0.3 : 0.3)}).then(() => 1); })()")
+        browser.wait("document.querySelector('#status').dataset.status === 'IDLE'")
+        assert "un 2: " in browser.value("document.querySelector('#text').textContent")
+        e_now = "Math.abs(aras.model.rows.at(-1)[aras.model.column['e.alpha']])"
+        browser.wait(f"{e_now} > 0.1 && aras.model.rows.at(-1)[aras.model.column.status] === 0")
         browser.click("#live-now")
         browser.wait("!aras.model.past")
         browser.click("#reset")
@@ -374,10 +391,12 @@ LIMITS = """(() => {
       one[column[name]] = value;
     return one;
   };
+  [0, 9].forEach((image) => runs.told({ image, values: aras.model.values }));
   const at = (share) => ({ servo: 1, [`q.${joint.name}`]: share * (joint.upper - 0.01) });
   [row(1, at(0)), row(2, { ...at(0.9), status: about.statuses.indexOf('JOINT_LIMIT'), limited: 1 }), row(3, at(0.999)),
     row(4, at(1.001)), row(5, at(0.5)), row(6, at(-0.999)), row(7, { status: about.statuses.indexOf('TIMED_OUT') }),
-    row(8, { status: about.statuses.indexOf('IDLE') }), row(8.5, { status: about.statuses.indexOf('FAULT') })]
+    row(8, { status: about.statuses.indexOf('FAULT') }),
+    ...[8.5, 9].map((t) => row(t, { status: about.statuses.indexOf('FAULT'), image: 9 }))]
     .forEach((one) => runs.take(one));
   return [joint.name, runs.all.map((run) => run.marks.map((mark) => [mark.label, mark.times]))];
 })()"""
