@@ -55,10 +55,12 @@ def _letters_of(fontfile, characters):
 @contextlib.contextmanager
 def _lean_fonts():
     """Within it a PDF has the fonts of `_letters_of`. Which function matplotlib calls for them is not promised: a
-    version that calls another one, or with something else than a text, goes on with its own."""
+    version that calls another one, and those since 3.9, whose function returns a font, go on with their own."""
+    if hasattr(_backend_pdf_ps, "font_as_file"):
+        yield
+        return
     before = getattr(_backend_pdf_ps, "get_glyphs_subset", None)
-    _backend_pdf_ps.get_glyphs_subset = \
-        lambda fontfile, characters: (_letters_of if isinstance(characters, str) else before)(fontfile, characters)
+    _backend_pdf_ps.get_glyphs_subset = _letters_of
     try:
         yield
     finally:
