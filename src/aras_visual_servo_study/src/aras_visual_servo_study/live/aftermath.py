@@ -1,6 +1,6 @@
 """What has changed since a servo ended, so that its status is not told of an arm that stands elsewhere by now."""
 
-from typing import Optional, Tuple
+from typing import Any, Optional, Tuple
 
 import numpy as np
 
@@ -20,11 +20,12 @@ class Aftermath:
 
     Attributes:
         over: whether the servo ended with an image before the last one.
+        ends: how many servos have ended.
         change: what has changed since, one of the texts above; "": nothing. It stays until the next servo.
     """
 
     def __init__(self, kinematics: RobotKinematics) -> None:
-        self._kinematics = kinematics
+        self._kinematics, self._end, self.ends = kinematics, None, 0  # type: RobotKinematics, Any, int
         self._forget()
 
     def _forget(self) -> None:
@@ -38,13 +39,18 @@ class Aftermath:
         if self._end_ns is not None and not self.change:
             self.change = change
 
-    def take(self, phase: str, stamp_ns: int, q: np.ndarray, X_WT: Optional[np.ndarray],
+    def take(self, phase: str, end: Any, stamp_ns: int, q: np.ndarray, X_WT: Optional[np.ndarray],
              thresholds: Tuple[float, ...]) -> None:
-        """Takes in an answered image. Args: q: (n,) joints.  X_WT: (4, 4), of the target; None: not known."""
+        """Takes in an answered image.
+
+        Args: end: tells one end from another.  q: (n,) joints.  X_WT: (4, 4), of the target; None: not known.
+        """
         if phase != "done":
             self._forget()
             return
-        if self._end_ns is None:
+        if self._end_ns is None or end != self._end:  # a servo may end with its first image
+            self._forget()
+            self._end, self.ends = end, self.ends + 1
             self._end_ns, self._X_WT, self._thresholds = stamp_ns, X_WT, thresholds
             return
         self.over = True

@@ -46,6 +46,7 @@ class PageRun:
         target: name of the target, or None.  watched: whether a page is ready for news.
         record: of the last image, or None.  X_WC: (4, 4) of the camera then.  image, features: the newest ones or None.
         goal: (image, marks, pose numbers) of the taught view, or None.
+        starts: how many servos were begun, where the backend knows.
         editor: of the law that pages write, or None.
         version: grows whenever `about` would say something else.  images: how many came so far.
     """
@@ -56,7 +57,7 @@ class PageRun:
     def __init__(self, scenario: Scenario) -> None:
         self.scenario, self.version, self.images, self.watched = scenario, 0, 0, False
         self.used = scenario
-        self._draws = 0
+        self._draws = self.starts = 0
         self.editor: Optional[LawEditor] = None
         # A target that the arm carries moves with every motion of the arm: nobody has to follow it.
         self.follow = scenario.robot.get("target_link") is None
@@ -199,7 +200,8 @@ class PageRun:
         """
         before, self._last = self._last, (record.stamp_ns, q)
         self.swings.take(record, X_WT)
-        self.aftermath.take(record.phase, record.stamp_ns, q, X_WT, self.servo.config.thresholds)
+        end = self.starts, record.status, record.status_text
+        self.aftermath.take(record.phase, end, record.stamp_ns, q, X_WT, self.servo.config.thresholds)
         if record.phase == "done" and not self.aftermath.over or record.phase not in QUIET:
             self._ended = record.status
             return record

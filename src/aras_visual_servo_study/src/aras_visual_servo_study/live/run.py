@@ -112,6 +112,7 @@ class LiveRun(PageRun):
         self.hand.let_go()
         if not servo_only:
             self.loop.follow_anew()
+        self.starts += 1
         self.loop.start(servo_only=servo_only)
 
     def command(self, positions: Dict[str, float], stamp_ns: int) -> None:
@@ -135,6 +136,7 @@ class LiveRun(PageRun):
         self.loop.sequence = self._sequence(self.servo, self.scenario)
         self.hand.let_go()
         self.loop.follow_anew()  # whatever made the last servo lose the target may have left another object to follow
+        self.starts += 1
         self.loop.start(again=True)
 
     def do_stop(self, _request: Any) -> None:

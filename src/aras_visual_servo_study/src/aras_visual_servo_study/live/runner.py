@@ -92,7 +92,7 @@ class Runner:
         self._row_at_s, self._row_count, self._row_phase = -1.0, 0, ""
         self.rows: List[Tuple[int, "array[float]"]] = []
         self.servos: Deque[Tuple[int, Dict[str, Any]]] = deque(maxlen=2 * MOST_SERVOS)
-        self._servo_image, self._servo_count = 0, 0
+        self._servo_image, self._servo_count, self._row_ends = 0, 0, 0
         self.sample, self.watched, self.about = None, False, run.about()
         self.attended = False
         self._thread = threading.Thread(target=self._work, name="live run", daemon=True)
@@ -251,9 +251,11 @@ class Runner:
         wall_s, phase = time.perf_counter(), self._run.phase
         least_s = SERVO_ROW_S if self.attended and phase == "servo" else 0.9 * IMAGE_S
         # The first and the last image of a servo are moments that the time line marks.
-        if phase != self._row_phase:
+        ends = self._run.aftermath.ends
+        turned, self._row_ends = phase != self._row_phase or ends > self._row_ends, ends
+        if turned:
             self._note_servo(phase)
-        if self._paused or phase != self._row_phase or wall_s - self._row_at_s >= least_s:
+        if self._paused or turned or wall_s - self._row_at_s >= least_s:
             self._row_at_s, self._row_phase = wall_s, phase
             self.rows.append((self._row_count, packed(self._run.row(self._factor))))
             self._row_count += 1
@@ -262,7 +264,7 @@ class Runner:
 
     def _note_servo(self, phase: str) -> None:
         """Notes the settings with which a servo began or ended. One that ends with its first image does both."""
-        begins, ends = phase == "servo" or phase == "done" != self._row_phase != "servo", phase == "done"
+        begins, ends = phase == "servo" or phase == "done" and self._row_phase != "servo", phase == "done"
         if begins:
             self._servo_image = self._run.images
         for key in ["values"] * begins + ["after"] * ends:
