@@ -58,7 +58,7 @@ STILL = {"posture_gain_per_s": 0.0, "joint_limit_gain_per_s": 0.0}
 EVENTS = {
     "the gantry ends": (moved(1, 1.7), {}, "gantry"),
     "above the arm": (moved(2, 0.6), {}, "joint"),
-    "below the arm": (moved(2, -0.3), {"time_limit_s": 14.0}, "vz"),
+    "below the arm": (moved(2, -0.3), {"time_limit_s": 14.0}, "forwards"),
     "before the arm": (moved(0, -0.4), {"time_limit_s": 14.0}, "v"),
     "no target": (unseen, {}, "view"),
     "no image": (blind, {}, "image"),

@@ -93,7 +93,7 @@ VERBS = {"calibrate": cli.Command(
     [(f"camera images/*.png {BOARD} --output camera.yaml", "the intrinsics, as camera_info_url reads them"),
      (f"hand_eye samples.yaml --camera camera.yaml --scenario my_arm.yaml --link flange {BOARD}",
       "where the camera is on its link, for robot.hand_eye"),
-     (f"joint_offsets samples.yaml --camera camera.yaml --scenario my_arm.yaml --link flange {BOARD}",
+     (f"joint_offsets samples.yaml --camera camera.yaml --scenario ur5e --link tool0 {BOARD}",
       "the same with the offsets of the joints, for robot.joint_offsets"),
      (f"eye_to_hand samples.yaml --camera camera.yaml --scenario my_arm.yaml --link flange {BOARD}",
       "where a camera stands that sees the board in the hand, for robot.hand_eye and robot.target_link"),

@@ -1,5 +1,6 @@
 """How nodes call one another: goals of the action `servo`, and services."""
 
+import time
 from typing import Any, Callable, Dict
 
 import actionlib
@@ -10,6 +11,8 @@ from aras_visual_servo import ParameterError
 
 #: Wall time until a goal that was not taken is sent again [s].
 AGAIN_S = 2.0
+#: Wall time within which a clock that has gone back reaches every node [s].
+CLOCK_S = 0.5
 #: Wall time within which a service must be offered [s].
 SERVICE_TIMEOUT_S = 5.0
 
@@ -29,6 +32,11 @@ class ActionServer(actionlib.SimpleActionServer):
         take = self.action_server.internal_goal_callback
 
         def look_and_take(goal):
+            # Older than what was cancelled: it is that, or the clock that has gone back is still on its way.
+            until_s = time.monotonic() + CLOCK_S
+            while (rospy.Time() < goal.goal_id.stamp <= self.action_server.last_cancel
+                   and rospy.get_rostime() >= self._newest and time.monotonic() < until_s):
+                time.sleep(0.005)
             self.look_at_time()
             take(goal)
 

@@ -71,7 +71,7 @@ PAGE = (Path(__file__).parents[5] / "docs" / "real_robot.md").read_text(encoding
 
 @pytest.fixture
 def scenario(tmp_path):
-    (block,) = re.findall(r"```yaml\n(.*?)```", PAGE, re.DOTALL)
+    (block,) = [each for each in re.findall(r"```yaml\n(.*?)```", PAGE, re.DOTALL) if "command: trajectory" in each]
     path = tmp_path / "my_arm.yaml"
     path.write_text(block, encoding="utf-8")
     return load_scenario(path)

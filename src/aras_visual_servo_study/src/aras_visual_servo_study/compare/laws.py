@@ -103,7 +103,9 @@ def run_comparison(comparison: Comparison, workers: int = 1,
     else:
         with ProcessPoolExecutor(min(workers, len(tasks)), get_context("spawn"), processes.end_with_parent) as pool:
             try:
-                found = told(pool.map(_run_law, scenarios, tasks))
+                # Not pool.map, which cancels what is left: a pool whose workers are killed trips over what is cancelled.
+                futures = [pool.submit(_run_law, *each) for each in zip(scenarios, tasks)]
+                found = told(future.result() for future in futures)
             except KeyboardInterrupt:
                 for process in pool._processes.values():  # nobody waits for what they are doing
                     process.kill()
