@@ -250,7 +250,7 @@ def completed(line):
 def test_tab_completes_verbs_scenarios_options_and_keys(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "expert.yaml").write_text("")
-    assert completed("aras-servo rep") == ["replay-on-twin", "report"]
+    assert completed("aras-servo rep") == ["report", "replay-on-twin"]
     assert set(completed("aras-servo run exper")) == {"expert.yaml"} | {
         name for name in scenario_names() if name.startswith("exper")}
     assert "--ros" in completed("aras-servo run experiment_1 --r")
