@@ -26,6 +26,8 @@ GRAVITY, DELAY = "gravity_scale", "command_delay_s"
 PAYLOAD = ("payload.mass", "payload.first_x", "payload.first_y", "payload.first_z")
 #: Distance of the payload from its link, for the ranges of its first moments. [m]
 LEVER_M = 0.1
+#: No payload is farther from its link, whatever a trial step makes of its first moments. [m]
+FARTHEST_M = 10.0
 #: End of the name of what is fitted too and is not the robot's: where a joint's set point was at first.
 START = ".start"
 EARTH = (0.0, 0.0, -9.81)
@@ -172,7 +174,8 @@ class ReplayedRobot:
         if PAYLOAD[0] in values:
             mass = values[PAYLOAD[0]]
             dynamics["payload"] = {"link": self._link, "mass_kg": mass,
-                                   "position_m": [values.get(name, 0.0) / mass for name in PAYLOAD[1:]]}
+                                   "position_m": [float(np.clip(values.get(name, 0.0) / mass, -FARTHEST_M, FARTHEST_M))
+                                                  for name in PAYLOAD[1:]]}
         section = {"robot": {"dynamics": {key: value for key, value in dynamics.items() if value}}, "sim": {}}
         if GRAVITY in values:
             section["sim"]["gravity_m_s2"] = (values[GRAVITY] * self._gravity).tolist()

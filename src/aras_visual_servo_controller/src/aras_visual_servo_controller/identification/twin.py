@@ -39,6 +39,9 @@ LEAST_NOISE = 0.2
 #: A fit has converged if the minimum that its derivatives predict is nearer than this, in standard deviations of the
 #: farthest direction. Set points that jump leave ripples of about half of it.
 CONVERGED = 1.0
+#: And if it leaves less than this many times the noise, and of the held-out part less than this many times what it leaves
+#: of the rest: otherwise the model is wrong, or the minimum.
+EXPLAINED = 3.0
 #: Fits are tried so often; the next one begins where the profile of the cost found a lower one.
 ATTEMPTS = 3
 #: Residuals may be correlated over this many samples.
@@ -54,7 +57,8 @@ class Twin:
     Attributes:
         identified: estimates, unknown ones, and the residual of the positions by joint in the fitted part [m or rad].
         names: k parameters that were fitted.  covariance: (k, k) of these, in their units.
-        converged: whether the fit reached a minimum. If not, the standard deviations are infinite.
+        converged: whether the fit reached a minimum that explains the recording. If not, the standard deviations are
+        infinite.
         overlay: the part of a scenario that makes it this robot.
         times_s: (k,) stamps of the joint states that were compared, from the first command on.
         measured, simulated: (k, m) positions [m or rad].  fitted: number of samples that were fitted; the others are
@@ -205,7 +209,11 @@ class _Fit:
             if found is not None:
                 x = np.maximum(x + found.lower * self._ranges, self._least)
             x = self._descend(x, rows, self._weights, ROUNDS, 1e-4)
-        converged = bool(near and found.lower is None)
+        q, _ = robot.replay(x, robot.used)
+        measured = self._recording.position[robot.used]
+        residual, held_out = (np.sqrt(np.mean(part**2, axis=0)) for part in np.split(q - measured, [len(rows)]))
+        explained = scale < EXPLAINED and np.all(held_out < EXPLAINED * residual)
+        converged = bool(near and found.lower is None and explained)
         groups = np.repeat(np.arange(len(now)), now.shape[1])
         cov = covariance(inverse, now.ravel(), groups, LAGS)
         # The simulator delays commands by whole periods.
@@ -224,9 +232,6 @@ class _Fit:
         rest = [Unknown(name, tuple(others), motion_for(name, payload_link)) for name, others in unknown.items()
                 if name in mine]
         add_state_delay(self._recording, estimates, rest)
-        q, _ = robot.replay(x, robot.used)
-        measured = self._recording.position[robot.used]
-        residual = np.sqrt(np.mean((q - measured)[:len(rows)]**2, axis=0))
         # Unknown ones stay as fitted: only together with the others do they repeat the motion.
         values = {name: float(value) for name, value in zip(names, x)}
         section = robot.overlay(values)
