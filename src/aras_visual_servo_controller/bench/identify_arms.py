@@ -123,7 +123,8 @@ def main():
         rows.append(trial(options.seed + k, options.arms[k % len(options.arms)], options.seconds))
         print(json.dumps(rows[-1]), flush=True)
     inside, known = (sum(row[key] for row in rows) for key in ("inside", "known"))
-    print(f"{len(rows)} arms: {inside} of {known} truths inside their 95 % interval ({100 * inside / max(known, 1):.1f} %), "
+    print(f"{len(rows)} arms: {inside} of {known} truths inside their 95 % interval "
+          f"({100 * inside / max(known, 1):.1f} %), "
           f"{sum(len(row['unknown']) for row in rows)} not told; held-out error at most "
           f"{max(row['held_out_by_noise'] for row in rows):.2f} x noise; "
           f"{sum(not row['converged'] for row in rows)} did not converge; "

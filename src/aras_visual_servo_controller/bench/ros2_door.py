@@ -45,7 +45,8 @@ unpause = node.create_client(Empty, "/aras_visual_servo/sim/unpause")
 while not unpause.wait_for_service(1.0):
     pass
 armed = []
-node.create_subscription(SimStatus, "/aras_visual_servo/sim/status", lambda status: armed.append(status.lockstep_armed), 10)
+node.create_subscription(SimStatus, "/aras_visual_servo/sim/status",
+                         lambda status: armed.append(status.lockstep_armed), 10)
 while not any(armed):
     commands.publish(JointState())
     rclpy.spin_once(node, timeout_sec=0.1)

@@ -39,8 +39,8 @@ LEAST_NOISE = 0.2
 #: A fit has converged if the minimum that its derivatives predict is nearer than this, in standard deviations of the
 #: farthest direction. Set points that jump leave ripples of about half of it.
 CONVERGED = 1.0
-#: And if it leaves less than this many times the noise, and of the held-out part less than this many times what it leaves
-#: of the rest: otherwise the model is wrong, or the minimum.
+#: And if it leaves less than this many times the noise, and of the held-out part less than this many times what it
+#: leaves of the rest: otherwise the model is wrong, or the minimum.
 EXPLAINED = 3.0
 #: Fits are tried so often; the next one begins where the profile of the cost found a lower one.
 ATTEMPTS = 3

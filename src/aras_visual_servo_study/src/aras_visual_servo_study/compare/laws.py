@@ -103,7 +103,7 @@ def run_comparison(comparison: Comparison, workers: int = 1,
     else:
         with ProcessPoolExecutor(min(workers, len(tasks)), get_context("spawn"), processes.end_with_parent) as pool:
             try:
-                # Not pool.map, which cancels what is left: a pool whose workers are killed trips over what is cancelled.
+                # Not pool.map, which cancels what is left: a pool whose workers are killed trips over that.
                 futures = [pool.submit(_run_law, *each) for each in zip(scenarios, tasks)]
                 found = told(future.result() for future in futures)
             except KeyboardInterrupt:
