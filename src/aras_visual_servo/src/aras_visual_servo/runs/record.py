@@ -153,6 +153,12 @@ class RunRecord:
         follows = rows[-1] + 1
         return np.append(rows, follows) if follows < len(self) and self.phase[follows] == "done" else rows
 
+    @property
+    def servo_t_s(self) -> np.ndarray:
+        """(j,) time of each servo image since the first one [s]."""
+        rows = self.servo_rows
+        return (self.stamp_ns[rows] - self.stamp_ns[rows[:1]]) * 1e-9
+
 
 class RecordBuilder:
     """Builds a RunRecord: `add_answer` for each image, then `finish`.

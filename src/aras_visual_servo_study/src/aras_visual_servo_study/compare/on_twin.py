@@ -103,7 +103,7 @@ def differences(run: OnTwin) -> Dict[str, Any]:
     are compared at the images of the record, over the time that both runs servo. None: unknown.
     """
     both = (run.measured, run.twin)
-    times = [_since(record) for record in both]
+    times = [record.servo_t_s for record in both]
     until = min(times[0][-1], times[1][-1])
     here = times[0] <= until
     features, joints = {}, {}
@@ -126,11 +126,6 @@ def differences(run: OnTwin) -> Dict[str, Any]:
 def joint_of(record: RunRecord, name: str) -> np.ndarray:
     """Returns the positions of a joint at the servo images, (j,) [m or rad]."""
     return record.q[record.servo_rows, record.joint_names.index(name)]
-
-
-def _since(record):
-    rows = record.servo_rows
-    return 1e-9 * (record.stamp_ns[rows] - record.stamp_ns[rows[0]])
 
 
 def feature_of(record: RunRecord, name: str) -> np.ndarray:

@@ -65,8 +65,7 @@ def _size(run):
 def _plot(run, name, title, label, values, log=False):
     """Both runs over the times of their images, from the first servo image on."""
     records = dict(zip(BOTH, (run.measured, run.twin)))
-    times = {one: 1e-9 * (record.stamp_ns[record.servo_rows] - record.stamp_ns[record.servo_rows[0]])
-             for one, record in records.items()}
+    times = {one: record.servo_t_s for one, record in records.items()}
     grid = np.unique(np.concatenate(list(times.values())))
     series = []
     for one, record in records.items():

@@ -23,20 +23,15 @@ def settling_s(record: RunRecord) -> float:
     Their size is that of `error_size`; the band is the larger of SETTLED_PART of the size at the start and 1. The time
     is interpolated between images. NaN: the size is outside of the band at the end.
     """
-    return _settled_s(_times_s(record), error_size(record), 1.0)
+    return _settled_s(record.servo_t_s, error_size(record), 1.0)
 
 
 def settling_times_s(record: RunRecord) -> Dict[str, float]:
     """Returns feature name -> time as of `settling_s` of its error alone [s]; the band is at least its threshold."""
     thresholds = spread(record.settings.get("servo", {}).get("thresholds", {}))
-    return {name: _settled_s(_times_s(record), np.abs(record.e[record.servo_rows, column]),
+    return {name: _settled_s(record.servo_t_s, np.abs(record.e[record.servo_rows, column]),
                              float(thresholds.get(name, 0.0)))
             for column, name in enumerate(record.feature_names)}
-
-
-def _times_s(record):
-    rows = record.servo_rows
-    return 1e-9 * (record.stamp_ns[rows] - record.stamp_ns[rows[0]]) if len(rows) else np.zeros(0)
 
 
 def _settled_s(t_s, size, threshold):

@@ -167,7 +167,7 @@ def _draw_image(axes, image):
 def _draw_curves(record, axes, values, looks, label, columns):
     """Draws columns of the values over the time of the servo. looks: (colour, dash, label) of each."""
     rows = record.servo_rows
-    t_s = (record.stamp_ns[rows] - record.stamp_ns[rows[:1]]) * 1e-9
+    t_s = record.servo_t_s
     axes.axhline(0.0, color=palette.GREY, linewidth=0.8)
     for (color, dash, name), column in zip(looks, values[rows].T):
         axes.plot(t_s, column, color=color, linestyle=dash, label=name)

@@ -25,7 +25,7 @@ def image_plot(record: RunRecord) -> Optional[Dict[str, Any]]:
         return None
     rows = record.servo_rows
     chosen = np.unique(np.round(np.linspace(0, len(rows) - 1, min(MOST_MOMENTS, len(rows)))).astype(int))
-    t_s = (record.stamp_ns[rows] - record.stamp_ns[rows[0]]) * 1e-9
+    t_s = record.servo_t_s
     width, height = int(record.camera_info["width"]), int(record.camera_info["height"])
     data = {"t": [number(t) for t in t_s[chosen]], "width": width, "height": height, "difference": overlay.difference,
             "full": FULL, "colours": [DARKER, EQUAL, BRIGHTER],

@@ -36,7 +36,7 @@ def joint_plot(record: RunRecord) -> Optional[Dict[str, Any]]:
         colour = palette.PALETTE[place % len(palette.PALETTE)]
         one = series_of((name, "", colour, "" if limited else DASH, factor * half, unit), (q - middle) / half)
         series.append(dict(one, offset=factor * middle))
-    t_s = (record.stamp_ns[rows] - record.stamp_ns[rows[0]]) * 1e-9
+    t_s = record.servo_t_s
     free = [one["name"] for one in series if one["dash"]]
     title = "joints between their limits" + (f" ({', '.join(free)}: no limits, in half turns)" if free else "")
     return time_plot("joints", title, np.asarray(t_s), series, "−1: lower limit, 1: upper limit", ends=[-1.0, 1.0])

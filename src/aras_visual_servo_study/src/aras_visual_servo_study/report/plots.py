@@ -31,7 +31,7 @@ def plots_of(record: RunRecord, title_of_velocity: str = "camera velocity") -> L
     rows = record.servo_rows
     if not len(rows):
         return []
-    t_s = (record.stamp_ns[rows] - record.stamp_ns[rows[0]]) * 1e-9
+    t_s = record.servo_t_s
     features = styles(record.feature_names)
     series = [series_of((one.letter, one.subscript, one.colour, "", one.factor, one.read_unit), record.e[rows, column])
               for column, one in enumerate(features)]
