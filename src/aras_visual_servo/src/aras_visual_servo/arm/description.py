@@ -12,7 +12,8 @@ import numpy as np
 
 from ..config.files import package_path
 from ..ground.errors import ParameterError
-from ..spatial import inverse, pose_from_rpy, rotation_angle, rpy_of
+from ..spatial import inverse, rotation_angle, rpy_of
+from .free_camera import origin_pose
 
 #: Frames of the two models may differ by this [m, rad].
 SAME_M, SAME_RAD = 1e-3, 2e-3
@@ -101,7 +102,7 @@ class _Tree:
         """(4, 4) of a link in the root."""
         X, joint = np.eye(4), self.parents.get(link)
         while joint is not None:
-            X = _origin(joint) @ X
+            X = origin_pose(joint) @ X
             joint = self.parents.get(joint.find("parent").get("link"))
         return X
 
@@ -117,13 +118,6 @@ class _Tree:
         """(3,) in the frame of the joint."""
         axis = self.joints[joint].find("axis")
         return np.array((axis.get("xyz") if axis is not None else "1 0 0").split(), dtype=float)
-
-
-def _origin(element):
-    origin = element.find("origin")
-    values = {} if origin is None else origin.attrib
-    xyz, rpy = ([float(value) for value in values.get(key, "0 0 0").split()] for key in ("xyz", "rpy"))
-    return pose_from_rpy(xyz, rpy)
 
 
 def _unlike(own, its):
@@ -151,23 +145,22 @@ def _place(own, its, link):
     """(link of the arm, its pose to the description's link) for the visuals of that link; None: moved by a joint that
     the arm lacks."""
     moved_by = its.moving(link)
-    if moved_by is not None:
-        if moved_by not in own.joints:
-            return None
-        mine = link if own.moving(link) == moved_by and link in own.parents else own.child(moved_by)
-        here, there = (inverse(tree.pose(tree.child(moved_by))) @ tree.pose(name)
-                       for tree, name in ((own, mine), (its, link)))
-        return mine, inverse(here) @ there
-    first = next(name for name, joint in own.joints.items() if joint.get("type") != "fixed"
-                 and own.moving(own.parent(name)) is None)
-    mine = link if own.moving(link) is None and link in own.parents else own.parent(first)
-    here, there = (inverse(tree.pose(tree.child(first))) @ tree.pose(name) for tree, name in ((own, mine), (its, link)))
+    if moved_by is None:  # a link of the base: it is seen from the first joint
+        joint = next(name for name, joint in own.joints.items() if joint.get("type") != "fixed"
+                     and own.moving(own.parent(name)) is None)
+        other = own.parent(joint)
+    elif moved_by in own.joints:
+        joint, other = moved_by, own.child(moved_by)
+    else:
+        return None
+    mine = link if own.moving(link) == moved_by and link in own.parents else other
+    here, there = (inverse(tree.pose(tree.child(joint))) @ tree.pose(name) for tree, name in ((own, mine), (its, link)))
     return mine, inverse(here) @ there
 
 
 def _moved(visual, X):
     """The visual, its origin seen from another link. X: pose of its own link there."""
-    place = X @ _origin(visual)
+    place = X @ origin_pose(visual)
     origin = visual.find("origin")
     if origin is None:
         origin = ElementTree.Element("origin")

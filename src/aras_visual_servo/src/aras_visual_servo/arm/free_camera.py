@@ -35,7 +35,7 @@ class FreeCamera(RobotKinematics):
                              "allowed a floating joint and then fixed ones")
         self._X_LC = np.eye(4)
         for joint in joints[1:]:
-            self._X_LC = self._X_LC @ _origin(joint)
+            self._X_LC = self._X_LC @ origin_pose(joint)
         self._X_CL = inverse(self._X_LC)
         self._J = adjoint(self._X_CL)
         self.lower, self.upper = np.full(6, -np.inf), np.full(6, np.inf)
@@ -99,8 +99,9 @@ def joints_above(urdf_xml: str, base_link: str, tip_link: str) -> List[ElementTr
     return way if link == base_link else []
 
 
-def _origin(joint):
-    origin = joint.find("origin")
+def origin_pose(element: ElementTree.Element) -> np.ndarray:
+    """Returns the (4, 4) pose that `<origin>` gives a joint, a visual or another element of a URDF."""
+    origin = element.find("origin")
     if origin is None:
         return np.eye(4)
     xyz, rpy = ([float(a) for a in origin.get(key, "0 0 0").split()] for key in ("xyz", "rpy"))

@@ -8,8 +8,8 @@ import numpy as np
 
 from ..config.reader import read
 from ..ground.errors import ModelError
-from ..spatial import pose_from_rpy, rotation, rpy_of, transform
-from .free_camera import FreeCamera, joints_above
+from ..spatial import rotation, rpy_of, transform
+from .free_camera import FreeCamera, joints_above, origin_pose
 from .kinematics import EyeToHand, Kinematics, RobotKinematics
 from .settings import HandEyeSettings
 
@@ -53,10 +53,7 @@ def with_joint_offsets(urdf_xml: str, offsets: Mapping[str, float]) -> str:
 
     Args: offsets: joint -> true minus reported position [m or rad].  Raises ModelError.
     """
-    try:
-        robot = ElementTree.fromstring(urdf_xml)
-    except ElementTree.ParseError as error:
-        raise ModelError(f"the URDF is no XML: {error}") from error
+    robot = _parsed(urdf_xml)
     joints = {joint.get("name"): joint for joint in robot.findall("joint")}
     for name, offset in offsets.items():
         if name not in joints:
@@ -66,11 +63,9 @@ def with_joint_offsets(urdf_xml: str, offsets: Mapping[str, float]) -> str:
         along *= float(offset) / np.linalg.norm(along)
         slides = joint.get("type") == "prismatic"
         moved = transform(np.eye(3), along) if slides else transform(rotation(along), np.zeros(3))
-        origin = joint.find("origin")
+        X, origin = origin_pose(joint) @ moved, joint.find("origin")
         if origin is None:
             origin = ElementTree.SubElement(joint, "origin")
-        xyz, rpy = ([float(value) for value in origin.get(key, "0 0 0").split()] for key in ("xyz", "rpy"))
-        X = pose_from_rpy(xyz, rpy) @ moved
         origin.set("xyz", " ".join(map(repr, X[:3, 3].tolist())))
         origin.set("rpy", " ".join(map(repr, map(float, rpy_of(X[:3, :3])))))
     return ElementTree.tostring(robot, encoding="unicode")
@@ -78,10 +73,7 @@ def with_joint_offsets(urdf_xml: str, offsets: Mapping[str, float]) -> str:
 
 def with_camera(urdf_xml: str, hand_eye: HandEyeSettings) -> str:
     """Returns the URDF with one more link, CALIBRATED_LINK, at the calibrated camera. Raises ModelError."""
-    try:
-        robot = ElementTree.fromstring(urdf_xml)
-    except ElementTree.ParseError as error:
-        raise ModelError(f"the URDF is no XML: {error}") from error
+    robot = _parsed(urdf_xml)
     if hand_eye.link not in (link.get("name") for link in robot.findall("link")):
         raise ModelError(f"robot.hand_eye.link: found {hand_eye.link}, allowed a link of the URDF")
     ElementTree.SubElement(robot, "link", name=CALIBRATED_LINK)
@@ -91,3 +83,10 @@ def with_camera(urdf_xml: str, hand_eye: HandEyeSettings) -> str:
     ElementTree.SubElement(joint, "origin", xyz=" ".join(map(repr, map(float, hand_eye.position_m))),
                            rpy=" ".join(map(repr, map(float, hand_eye.rpy_rad))))
     return ElementTree.tostring(robot, encoding="unicode")
+
+
+def _parsed(urdf_xml):
+    try:
+        return ElementTree.fromstring(urdf_xml)
+    except ElementTree.ParseError as error:
+        raise ModelError(f"the URDF is no XML: {error}") from error
