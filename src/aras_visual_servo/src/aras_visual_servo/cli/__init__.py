@@ -9,7 +9,8 @@ import re
 import shlex
 import sys
 from dataclasses import dataclass
-from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence, Tuple, Union
+from pathlib import Path
+from typing import Any, Callable, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple, Union
 
 import yaml
 
@@ -126,6 +127,16 @@ def command_line(*words: Any) -> str:
 def file(text: str) -> str:
     """Returns the absolute path of a file or folder that was typed."""
     return os.path.abspath(os.path.expanduser(text))
+
+
+def write_new(folder: Path, made: Mapping[str, str]) -> None:
+    """Writes files, name -> text, into a folder. Raises ParameterError: one of them is there already."""
+    there = [str(folder / each) for each in made if (folder / each).exists()]
+    if there:
+        raise ParameterError(f"--folder: found {', '.join(there)} already, allowed a folder without these")
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, content in made.items():
+        (folder / name).write_text(content, encoding="utf-8")
 
 
 def scenario_name(text: str) -> str:

@@ -67,8 +67,8 @@ def other_installation(program: str) -> Optional[Path]:
 
 def _run(name: str, words: List[str]) -> int:
     verb = verb_named(name)
-    first = words[0] if words else name in ALONE
-    if isinstance(verb, dict) and name in USUAL and first and first not in (*verb, "-h", "--help"):
+    left_out = words[0] not in (*verb, "-h", "--help") if words and isinstance(verb, dict) else name in ALONE
+    if name in USUAL and left_out:
         words = [USUAL[name], *words]
     return run_verb(f"{PROGRAM} {name}", verb, words)
 

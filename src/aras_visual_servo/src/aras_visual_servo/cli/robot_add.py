@@ -4,7 +4,7 @@ from argparse import ArgumentParser, Namespace
 from pathlib import Path
 from typing import Dict, Optional
 
-from . import EXIT_PASSED, Command, check_name, command_line, file
+from . import EXIT_PASSED, Command, check_name, command_line, file, write_new
 from .robot_check import add_urdf, text_of
 from ..ground.errors import ParameterError
 
@@ -50,12 +50,7 @@ def _work(arguments: Namespace) -> int:
     arm = NewArm(name, urdf, "controllers.yaml", arguments.tip, arguments.camera, arguments.z_star_m,
                  arguments.driver, _home(arguments.home))
     made["scenario.yaml"], made["controllers.yaml"] = arm_files(arm, text, source.parent)
-    there = [str(folder / each) for each in made if (folder / each).exists()]
-    if there:
-        raise ParameterError(f"--folder: found {', '.join(there)} already, allowed a folder without these")
-    folder.mkdir(parents=True, exist_ok=True)
-    for each, content in made.items():
-        (folder / each).write_text(content, encoding="utf-8")
+    write_new(folder, made)
     print(f"{folder}: {', '.join(made)} written; run it:  {command_line('run', folder / 'scenario.yaml')}")
     return EXIT_PASSED
 

@@ -3,8 +3,7 @@
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
-from . import EXIT_PASSED, Command, command_line, file, scenario_name
-from ..ground.errors import ParameterError
+from . import EXIT_PASSED, Command, command_line, file, scenario_name, write_new
 
 URDF, SCENARIO = "arm.urdf", "scenario.yaml"
 HEAD = "# The arm {name} with the meshes of {description}. It goes where {name} goes.\n"
@@ -28,12 +27,7 @@ def _work(arguments: Namespace) -> int:
                 "robot": {"urdf": URDF}}
     made = {URDF: text, SCENARIO: HEAD.format(name=scenario.name, description=arguments.description)
             + yaml.safe_dump(document, sort_keys=False)}
-    there = [str(folder / each) for each in made if (folder / each).exists()]
-    if there:
-        raise ParameterError(f"--folder: found {', '.join(there)} already, allowed a folder without these")
-    folder.mkdir(parents=True, exist_ok=True)
-    for name, content in made.items():
-        (folder / name).write_text(content, encoding="utf-8")
+    write_new(folder, made)
     print(f"{folder}: {', '.join(made)} written; look at it:  {command_line('live', folder / SCENARIO)}")
     return EXIT_PASSED
 
