@@ -18,8 +18,7 @@ def _relay_options(parser: ArgumentParser) -> None:
 
 
 def _relay(arguments: Namespace) -> int:
-    check(Namespace(namespace=arguments.namespace, split=None))
-    environment.check_shell(os.environ)
+    check(Namespace(namespace=arguments.namespace, split=None))  # of the shell, too
     environment.find_environment()
     uri = os.environ.get("ROS_MASTER_URI", "http://localhost:11311")
     if not Graph("/ros2", uri).master_answers():

@@ -11,6 +11,8 @@ from typing import Any, Iterator, Tuple
 CONTROL = 0
 #: A message goes from thread to thread on its way. Within Python's own 5 ms two of them would seldom change places [s].
 SWITCH_S = 2e-4
+#: Number of a call of a service or of a goal, and with the status of its end, at the beginning of a frame.
+CALL, RESULT = struct.Struct("<Q"), struct.Struct("<QB")
 _HEAD = struct.Struct("<IH")  # length, number of the entry
 
 

@@ -9,7 +9,6 @@ import json
 import os
 import signal
 import socket
-import struct
 import sys
 import threading
 import time
@@ -26,13 +25,11 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from channel import CONTROL, Channel  # noqa: E402
+from channel import CALL, CONTROL, RESULT, Channel  # noqa: E402
 
 #: Messages that wait for a slow listener: as many as ROS 2's profile for sensor data keeps, and of commands more.
 SENSOR_DEPTH, COMMAND_DEPTH = 5, 1000
 LOOK_PERIOD_S = 0.05  # wall time between looks for listeners
-_CALL = struct.Struct("<Q")
-_RESULT = struct.Struct("<QB")
 #: actionlib's status of a goal that was reached, and of one that was stopped on request.
 SUCCEEDED, PREEMPTED = 3, 2
 
@@ -115,12 +112,12 @@ class Door:
             self._last_call += 1
             call = self._last_call
             self._calls[call] = future
-            self._channel.send(number, _CALL.pack(call) + serialize_message(request))
+            self._channel.send(number, CALL.pack(call) + serialize_message(request))
             data = await future
             return deserialize_message(data, kind.Response)
 
         def answered(data: bytes) -> None:
-            self._finish(self._calls.pop(_CALL.unpack_from(data)[0]), data[_CALL.size:])
+            self._finish(self._calls.pop(CALL.unpack_from(data)[0]), data[CALL.size:])
         self._takes[number] = answered
         self.node.create_service(kind, name, serve)
 
@@ -134,7 +131,7 @@ class Door:
             call = self._last_call
             self._goals[call] = (handle, future)
             handle.aras_call = call
-            self._channel.send(number, _CALL.pack(call) + serialize_message(handle.request))
+            self._channel.send(number, CALL.pack(call) + serialize_message(handle.request))
             status, data = await future
             if status == SUCCEEDED:
                 handle.succeed()
@@ -145,15 +142,15 @@ class Door:
             return deserialize_message(data, kind.Result)
 
         def cancel(handle: Any) -> CancelResponse:
-            self._channel.send(number, _CALL.pack(handle.aras_call))
+            self._channel.send(number, CALL.pack(handle.aras_call))
             return CancelResponse.ACCEPT
 
         def told(data: bytes) -> None:
-            call, status = _RESULT.unpack_from(data)
+            call, status = RESULT.unpack_from(data)
             if status:
-                self._finish(self._goals.pop(call)[1], (status, data[_RESULT.size:]))
+                self._finish(self._goals.pop(call)[1], (status, data[RESULT.size:]))
             else:
-                self._goals[call][0].publish_feedback(deserialize_message(data[_RESULT.size:], kind.Feedback))
+                self._goals[call][0].publish_feedback(deserialize_message(data[RESULT.size:], kind.Feedback))
         self._takes[number] = told
         ActionServer(self.node, kind, name, execute, cancel_callback=cancel)
 

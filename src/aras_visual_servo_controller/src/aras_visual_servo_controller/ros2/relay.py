@@ -9,7 +9,6 @@ import json
 import os
 import re
 import socket
-import struct
 import threading
 import time
 import warnings
@@ -29,7 +28,7 @@ from aras_visual_servo_msgs.msg import VisualServoAction
 from aras_visual_servo_msgs.srv import PauseAt, SetJointPositions, SetReference, SetTargetPose, Step, Teach
 from ..nodes import conversions as convert
 from . import environment, wire
-from .channel import CONTROL, Channel
+from .channel import CALL, CONTROL, Channel
 from .twist import TwistToJoints
 
 LOOK_PERIOD_S = 0.5    # wall time between looks at the graph
@@ -48,8 +47,6 @@ SERVICES = {"teach": Teach, "stop": Trigger, "reconfigure": Trigger, "camera/set
             "sim/set_joint_positions": SetJointPositions, "sim/set_target_pose": SetTargetPose}
 ACTION = "servo"
 EXIT_STOPPED, EXIT_PARAMETERS, EXIT_BROKEN = 0, 2, 3
-_CALL = struct.Struct("<Q")
-_RESULT = struct.Struct("<QB")
 
 
 class RelayError(ArasError):
@@ -158,7 +155,7 @@ class _Service:
     def _serve(self, data):
         response = self._kind._response_class()
         try:
-            request = self._kind._request_class().deserialize(self._from_cdr(data[_CALL.size:], 0))
+            request = self._kind._request_class().deserialize(self._from_cdr(data[CALL.size:], 0))
             self._relay.connect()
             response = self._call(request)
         except (rospy.ServiceException, ArasError) as error:
@@ -166,7 +163,7 @@ class _Service:
             for name in ("message", "status_message"):
                 if hasattr(response, name):
                     setattr(response, name, str(error))
-        self._send(self._number, data[:_CALL.size] + self._to_cdr(_bytes_of(response), 0))
+        self._send(self._number, data[:CALL.size] + self._to_cdr(_bytes_of(response), 0))
 
 
 class _Action:
@@ -185,12 +182,12 @@ class _Action:
 
     def take(self, data: bytes) -> None:
         """Sends a goal, or cancels one: then there is its number only."""
-        call = data[:_CALL.size]
-        if len(data) == _CALL.size:
+        call = data[:CALL.size]
+        if len(data) == CALL.size:
             if call in self._handles:
                 self._handles[call].cancel()
             return
-        goal = self._goal_class().deserialize(self._from_cdr(data[_CALL.size:], 0))
+        goal = self._goal_class().deserialize(self._from_cdr(data[CALL.size:], 0))
         threading.Thread(target=self._begin, args=(call, goal), daemon=True).start()
 
     def _begin(self, call, goal):
