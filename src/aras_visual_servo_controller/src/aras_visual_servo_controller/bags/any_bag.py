@@ -54,6 +54,10 @@ class AnyBag:
             return self._files.types
         return {topic: str(info.msgtype).replace("/msg/", "/") for topic, info in self._reader.topics.items()}
 
+    def count(self, topic: str) -> int:
+        """Returns the number of messages of a topic."""
+        return self._files.count(topic) if self._files is not None else self._reader.topics[topic].msgcount
+
     def messages(self, topics: Iterable[str]) -> Iterator[Tuple[str, Any, float]]:
         """(topic, message, when the recorder got it [s]) of these topics in order."""
         chosen = set(topics)

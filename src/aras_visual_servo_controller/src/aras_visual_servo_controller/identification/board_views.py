@@ -33,7 +33,7 @@ def read_board_views(bag: AnyBag, board: Board, topic: Optional[str] = None) -> 
         raise ParameterError(f"bag '{bag.name}': {beside}: found none beside {topic}, allowed the camera_info of the "
                              "images: record it, too")
     camera = _camera(next((message for _, message, _ in bag.messages([beside])), None), f"bag '{bag.name}': {beside}")
-    count = sum(1 for _ in bag.messages([topic]))
+    count = bag.count(topic)
     chosen = set(np.unique(np.linspace(0, count - 1, min(count, MOST_IMAGES)).round().astype(int)).tolist())
     stamps, pixels = [], []
     for k, (_, message, _) in enumerate(bag.messages([topic])):
