@@ -3,11 +3,11 @@
 from aras_visual_servo.spatial import inverse
 from .family import CALIBRATIONS, Calibrated, Request
 from .hand_eye import calibrate_hand_eye, hand_eye_result, hand_eye_section
-from .samples import ArmSamples
+from .samples import FILES, ArmSamples
 
 
 @CALIBRATIONS.register("eye_to_hand", about="where a camera stands that sees the board in the hand, for robot.hand_eye "
-                       "and robot.target_link", files="YAML lists of {image: FILE, joints: {NAME: POSITION}}")
+                       "and robot.target_link", files=FILES)
 def eye_to_hand(request: Request) -> Calibrated:
     """The calibration `eye_to_hand`."""
     samples, camera = ArmSamples(request), request.calibrated_camera()

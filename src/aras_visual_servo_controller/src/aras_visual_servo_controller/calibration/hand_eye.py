@@ -17,7 +17,7 @@ from aras_visual_servo.spatial import exponential, inverse, rotation_vector, rpy
 from .boards import Board
 from .camera_model import CameraCalibration
 from .family import CALIBRATIONS, Calibrated, Request, Value
-from .samples import ArmSamples
+from .samples import FILES, ArmSamples
 
 LEAST_VIEWS = 4
 #: The arm must turn about axes that differ, or the translation along the one axis stays unknown [rad].
@@ -60,7 +60,7 @@ class HandEye:
 
 
 @CALIBRATIONS.register("hand_eye", about="where the camera is on its link, for robot.hand_eye",
-                       files="YAML lists of {image: FILE, joints: {NAME: POSITION}}")
+                       files=FILES)
 def hand_eye(request: Request) -> Calibrated:
     """The calibration `hand_eye`."""
     samples, camera = ArmSamples(request), request.calibrated_camera()

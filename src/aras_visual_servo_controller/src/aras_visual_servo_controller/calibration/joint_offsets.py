@@ -16,7 +16,7 @@ from .boards import Board
 from .camera_model import CameraCalibration
 from .family import CALIBRATIONS, Calibrated, Request, Value
 from .hand_eye import LEAST_VIEWS, HandEye, check_turns, first_guess, fit_chain, hand_eye_result, hand_eye_section
-from .samples import ArmSamples
+from .samples import FILES, ArmSamples
 
 #: Standard deviation of an offset before the fit [m or rad]; offsets are rarely larger than a few degrees.
 PRIOR = 0.05
@@ -40,7 +40,7 @@ class JointOffsets:
 
 @CALIBRATIONS.register("joint_offsets", about="offsets of the joints together with the camera's place, for "
                        "robot.joint_offsets and robot.hand_eye",
-                       files="YAML lists of {image: FILE, joints: {NAME: POSITION}}")
+                       files=FILES)
 def joint_offsets(request: Request) -> Calibrated:
     """The calibration `joint_offsets`."""
     samples, camera = ArmSamples(request), request.calibrated_camera()

@@ -11,6 +11,9 @@ from aras_visual_servo import ParameterError, is_number, load_scenario, robot_ki
 from .boards import Board
 from .family import Request
 
+#: What the files of a calibration with the arm are.
+FILES = "YAML lists of {image: FILE, joints: {NAME: POSITION}}"
+
 
 def image_of_file(path: Union[str, Path]) -> np.ndarray:
     """Returns a grey image, (h, w) uint8. Raises ParameterError: OpenCV cannot read it."""
