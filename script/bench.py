@@ -185,7 +185,7 @@ def main():
     if arguments.stop_rule:
         return subprocess.run([sys.executable, STOP_RULE, "--runs", str(arguments.stop_rule)]).returncode
     if arguments.paper:
-        sys.path.insert(0, str(WORKSPACE / "script/docs"))
+        sys.path.insert(0, str(WORKSPACE / "script/pictures"))
         import paper_table
         return paper_table.main()
     beside = read_beside(arguments.beside)

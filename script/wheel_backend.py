@@ -16,6 +16,7 @@ import tomllib
 import zipfile
 from pathlib import Path
 from typing import Dict, List, Optional
+from xml.etree import ElementTree
 
 ROOT = Path(__file__).resolve().parent.parent
 NAME = "aras_visual_servo"
@@ -38,8 +39,9 @@ EPOCH = (1980, 1, 1, 0, 0, 0)
 
 
 def project() -> Dict:
-    """Returns the table [project] of pyproject.toml."""
-    return tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    """Returns the table [project] of pyproject.toml, with the version, which package.xml states."""
+    version = ElementTree.parse(ROOT / "src" / NAME / "package.xml").findtext("version")
+    return {**tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"], "version": version}
 
 
 def get_requires_for_build_wheel(config_settings: Optional[Dict] = None) -> List[str]:

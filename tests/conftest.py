@@ -28,13 +28,13 @@ def run():
 
 @pytest.fixture(scope="session")
 def docs():
-    """A function: name of a module of script/docs -> that module."""
+    """A function: name of a module of script/pictures -> that module."""
     return _docs
 
 
 @functools.lru_cache(maxsize=None)
 def _docs(name):
-    folder = str(ROOT / "script" / "docs")
+    folder = str(ROOT / "script" / "pictures")
     if folder not in sys.path:
         sys.path.append(folder)
     return importlib.import_module(name)

@@ -3,11 +3,13 @@ import fnmatch
 import re
 import subprocess
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 ROS_PACKAGES = sorted(path.parent.name for folder in ("src", "gazebo") for path in ROOT.glob(f"{folder}/*/package.xml"))
+VERSION = ElementTree.parse(ROOT / "src/aras_visual_servo/package.xml").findtext("version")
 INSTALLED = {path.stem: path.read_text(encoding="utf-8").split() for path in (ROOT / "debian").glob("*.install")}
 
 
@@ -25,7 +27,8 @@ def receivers(path):
 def test_a_ros_package_goes_into_one_debian_package(name):
     folder = next(path for path in (ROOT / "src" / name, ROOT / "gazebo" / name) if path.is_dir())
     suffix = "-gazebo" if folder.parent.name == "gazebo" else "-learning" if name.endswith("_learning") else ""
-    modules = [f"usr/lib/python3/dist-packages/{name}{rest}" for rest in ("/__init__.py", "-0.1.0.egg-info/PKG-INFO")]
+    modules = [f"usr/lib/python3/dist-packages/{name}{rest}"
+               for rest in ("/__init__.py", f"-{VERSION}.egg-info/PKG-INFO")]
     for place in [f"usr/share/{name}/package.xml", *modules * (folder / "setup.py").is_file()]:
         assert receivers(place) == {f"aras-visual-servo{suffix}"}, place
 

@@ -121,7 +121,7 @@ def rows(lines):
 
 
 def test_the_table_of_the_readme_is_the_one_measured(monkeypatch):
-    monkeypatch.setattr(sys, "path", [str(WORKSPACE / "script/docs"), *sys.path])
+    monkeypatch.setattr(sys, "path", [str(WORKSPACE / "script/pictures"), *sys.path])
     lines, _ = importlib.import_module("paper_table").table()
     measured, written = rows(lines), rows((WORKSPACE / "README.md").read_text(encoding="utf-8").splitlines())
     assert len(measured) == 6 and list(written) == list(measured)

@@ -29,7 +29,7 @@ def not_public(text: str) -> set:
     for names in NAMES.findall(text):
         used |= {name.split()[0] for name in names.strip("()").replace("\n", " ").split("#")[0].split(",")
                  if name.strip()}
-    return deep | (used - set(avs.__all__) - MODULES)
+    return deep | (used - set(avs.__all__) - MODULES - {"__version__"})
 
 
 @pytest.mark.parametrize("path", USERS, ids=lambda path: str(path.relative_to(ROOT)))

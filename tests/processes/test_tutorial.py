@@ -88,7 +88,7 @@ def test_the_explained_numbers_are_those_of_the_run():
 
 
 def test_every_picture_of_the_page_is_there_and_made_by_the_gallery():
-    gallery = "".join((WORKSPACE / "script" / "docs" / name).read_text()
+    gallery = "".join((WORKSPACE / "script" / "pictures" / name).read_text()
                       for name in ("gallery.py", "animation.py"))
     pictures = re.findall(r"\]\((images/\S+)\)", TUTORIAL)
     assert len(pictures) == 2
@@ -139,7 +139,7 @@ LOOKED_UP = {"public": ("load_scenario", "register_law", "ServoLoop"),
 
 
 def test_it_is_built_without_a_warning_and_has_what_people_look_up(tmp_path):
-    result = subprocess.run([WORKSPACE / "script" / "docs" / "api", tmp_path / "api"], stdout=subprocess.PIPE,
+    result = subprocess.run([WORKSPACE / "script" / "pictures" / "api", tmp_path / "api"], stdout=subprocess.PIPE,
                             stderr=subprocess.STDOUT, timeout=1500)
     assert result.returncode == 0, result.stdout.decode()
     for page, names in LOOKED_UP.items():

@@ -16,6 +16,10 @@ _load, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
 
 def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        from .config.files import package_version
+
+        return package_version()
     value = _load(name)
     globals()[name] = value  # found here from now on
     return value

@@ -1,5 +1,7 @@
 # The public API. Names that are not here may change without notice.
 
+__version__: str
+
 # Scenarios and runs
 from .config.files import scenario_names as scenario_names
 from .scenario.scenario import Scenario as Scenario

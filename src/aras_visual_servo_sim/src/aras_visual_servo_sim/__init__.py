@@ -28,8 +28,6 @@ from ._sim import (
     opengl_description,
 )
 
-__version__ = "0.1.0"
-
 __all__ = [
     "ArasError",
     "Frame",

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Dict, List, Optional, Tuple
 
 from . import EXIT_BROKEN, PROGRAM, Verb, complete, guarded, run_verb
+from ..config.files import package_version
 from ..studies import sister
 
 CORE, ROS, STUDY = "aras_visual_servo", "aras_visual_servo_controller", "aras_visual_servo_study"
@@ -52,6 +53,7 @@ def main(argv: Optional[List[str]] = None) -> int:
         description="Visual servoing: run, watch, sweep and compare scenarios.",
         epilog="verbs:\n" + "\n".join(f"  {verb:<16}{what}" for verb, (_, _, what) in VERBS.items())
                + f"\n\n`{PROGRAM} VERB --help` explains a verb and ends with examples.")
+    parser.add_argument("--version", action="version", version=f"{PROGRAM} {package_version()}")
     parser.add_argument("verb", choices=list(VERBS), metavar="VERB ...", help="what to do")
     complete.offer(parser)
     parser.parse_args(words)

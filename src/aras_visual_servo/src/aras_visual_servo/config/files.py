@@ -6,6 +6,7 @@ import re
 from collections.abc import Hashable
 from pathlib import Path
 from typing import Any, Dict, List, Optional, Union
+from xml.etree import ElementTree
 
 import yaml
 
@@ -142,6 +143,16 @@ def share_dir() -> Path:
         if (parent / "share" / PACKAGE / "config").is_dir():
             return parent / "share" / PACKAGE
     raise ParameterError(f"the config folder of {PACKAGE} is missing: the package is not installed whole")
+
+
+@functools.lru_cache(maxsize=None)
+def package_version(path: Optional[Path] = None) -> str:
+    """Returns the `<version>` of a package.xml, by default of this package's; "unknown" if it names none."""
+    try:
+        version = ElementTree.parse(path or share_dir() / "package.xml").findtext("version")
+    except (OSError, ElementTree.ParseError):
+        version = None
+    return version.strip() if version else "unknown"
 
 
 def find_scenario(name_or_path: Union[str, Path]) -> Path:

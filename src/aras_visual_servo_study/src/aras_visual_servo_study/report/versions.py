@@ -6,12 +6,10 @@ import glob
 import os
 import platform
 import re
-import xml.etree.ElementTree
 from importlib import metadata
-from pathlib import Path
 from typing import Dict
 
-from aras_visual_servo import share_dir
+import aras_visual_servo as avs
 
 # Shared libraries of Debian's packages. The version is part of the file name.
 _LIBRARIES = {"visp": "libvisp_core.so.*", "bullet": "libBulletDynamics*.so.*",
@@ -22,7 +20,7 @@ _FOLDERS = ("/usr/lib/*-linux-gnu", "/usr/lib", "/usr/local/lib")
 @functools.lru_cache(maxsize=None)
 def installed_versions() -> Dict[str, str]:
     """Version by name: this package, ViSP, Bullet, KDL, OpenCV, numpy, matplotlib, Python, system."""
-    versions = {"aras_visual_servo": package_version(share_dir() / "package.xml")}
+    versions = {"aras_visual_servo": avs.__version__}
     files = [file for folder in _FOLDERS for path in glob.glob(folder) for file in os.listdir(path) if ".so." in file]
     for name, pattern in _LIBRARIES.items():
         found = fnmatch.filter(files, pattern)
@@ -37,15 +35,6 @@ def installed_versions() -> Dict[str, str]:
     versions["python"] = platform.python_version()
     versions["system"] = _system()
     return versions
-
-
-def package_version(path: Path) -> str:
-    """The <version> of a package.xml, "unknown" if there is none."""
-    try:
-        version = xml.etree.ElementTree.parse(path).findtext("version")
-    except (OSError, xml.etree.ElementTree.ParseError):
-        version = None
-    return version.strip() if version else "unknown"
 
 
 def _system():

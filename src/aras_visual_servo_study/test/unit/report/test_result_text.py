@@ -59,14 +59,6 @@ def test_every_setting_that_influences_a_result_is_a_row(settings, rows):
     assert page.flat_settings(dataclasses.replace(make_record(), settings=settings)) == rows
 
 
-@pytest.mark.parametrize("text, version", [("<package><version> 1.2.3 </version></package>", "1.2.3"),
-                                           ("<package/>", "unknown"), ("<package>", "unknown"), (None, "unknown")])
-def test_the_version_of_a_package_is_that_of_its_file(tmp_path, text, version):
-    if text is not None:
-        (tmp_path / "package.xml").write_text(text)
-    assert versions.package_version(tmp_path / "package.xml") == version
-
-
 def test_the_version_of_a_library_is_the_longest_that_its_files_name(tmp_path, monkeypatch):
     for name in ("libvisp_core.so.3.5", "libvisp_core.so.3.5.0", "libvisp_core.so.3", "libkdl.so.9",
                  "libBulletDynamics.so.3.24", "libBulletDynamics-float64.so.3.24", "libopencv_core.so.406",

@@ -1,15 +1,21 @@
-"""Sphinx's settings for the API reference. Built by script/docs/api; warnings are errors there."""
+"""Sphinx's settings for the site of all pages. `script/docs` stages the pages and builds it; warnings are errors."""
+import os
 import re
 
 project = "ARAS Visual Servo"
-extensions = ["sphinx.ext.autodoc"]
-html_theme = "alabaster"
-html_theme_options = {"description": "API reference, from the docstrings", "page_width": "1420px",
-                      "body_max_width": "1180px"}
-html_show_sourcelink = False
-highlight_language = "none"   # blocks of docstrings are sentences and formulas
-#: A page lists what stands on it. The list of all modules beside each would take a quarter of the time to build.
-html_sidebars = {"**": ["about.html", "localtoc.html", "relations.html", "searchbox.html"]}
+author = copyright = "ARAS Visual Servo developers"
+release = version = os.environ["ARAS_VERSION"]
+extensions = ["myst_parser", "sphinx.ext.autodoc"]
+html_theme = "furo"
+html_title = f"{project} {release}"
+html_static_path = ["_static"]
+html_css_files = ["style.css"]
+html_show_sourcelink = html_copy_source = False
+html_use_index = False   # the search finds names faster than a list of thousands
+html_last_updated_fmt = None
+highlight_language = "none"   # blocks without a language are output, formulas and sentences
+suppress_warnings = ["misc.highlighting_failure"]   # lines with "..." are no program
+myst_heading_anchors = 6
 autodoc_default_options = {"members": True, "undoc-members": True, "ignore-module-all": True, "show-inheritance": True,
                            "member-order": "bysource"}
 autodoc_typehints = "signature"
