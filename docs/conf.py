@@ -12,17 +12,18 @@ html_static_path = ["_static"]
 html_css_files = ["style.css"]
 html_show_sourcelink = html_copy_source = False
 html_use_index = False   # the search finds names faster than a list of thousands
-html_last_updated_fmt = None
 highlight_language = "none"   # blocks without a language are output, formulas and sentences
 suppress_warnings = ["misc.highlighting_failure"]   # lines with "..." are no program
 myst_heading_anchors = 6
 autodoc_default_options = {"members": True, "undoc-members": True, "ignore-module-all": True, "show-inheritance": True,
                            "member-order": "bysource"}
+#: Thousands of names, copied into the navigation of every page, would double the time to build.
+toc_object_entries = False
 autodoc_typehints = "signature"
 autodoc_typehints_format = "short"
 python_use_unqualified_type_names = True
-#: What only PyPI has is not needed to read about it.
-autodoc_mock_imports = ["gymnasium", "mcap", "h5py"]
+#: What only some programs need is not needed to read about them.
+autodoc_mock_imports = ["gymnasium", "mcap", "h5py", "cv2", "distributed"]
 SECTION = re.compile(r"\s*(Args|Returns|Raises|Attributes|References?|Yields)[^:]*:")
 MARKUP = re.compile(r"([\\*_|`])")
 

@@ -1,7 +1,7 @@
 """Builds the site of all pages and of the Python API reference. Run by script/docs and by debian/rules.
 
-docs/index.md lists the pages by reader: each heading of it becomes a part of the site's navigation. A page keeps its links
-to other files of the repository: links to pages lead to pages, links to other files to copies of them.
+docs/index.md lists the pages by reader: each heading of it becomes a part of the site's navigation. A page keeps its
+links to other files of the repository: links to pages lead to pages, links to other files to copies of them.
 """
 import os
 import re
@@ -16,9 +16,11 @@ from xml.etree import ElementTree
 ROOT = Path(__file__).resolve().parents[1]
 INDEX = ROOT / "docs" / "index.md"
 #: Packages whose modules have pages, and those that are compiled, of which only what they export is there.
-PACKAGES = ("aras_visual_servo", "aras_visual_servo_controller", "aras_visual_servo_study", "aras_visual_servo_learning")
+PACKAGES = ("aras_visual_servo", "aras_visual_servo_controller", "aras_visual_servo_study",
+            "aras_visual_servo_learning")
 COMPILED = ("aras_visual_servo_common", "aras_visual_servo_sim", "aras_visual_servo_camera")
 CODE = re.compile(r"^(`{3,}|~{3,}).*?^\1[`~]*$|(?<!`)(`+)(?!`).+?(?<!`)\2(?!`)", re.DOTALL | re.MULTILINE)
+PICTURE = re.compile(r'(<img [^>]*?src=")([^"]+)(")')
 LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\[\]]*\])*)\]\(([^()\s]+)\)")
 HEADING = re.compile(r"^#{1,6} +(.*?)[ #]*$", re.MULTILINE)
 ATTRIBUTE = re.compile(r'<[^>]*?\s(href|src)="([^"]*)"|<[^>]*?\sid="([^"]*)"')
@@ -92,20 +94,28 @@ def link_faults(files: List[Path], root: Path = ROOT) -> List[str]:
 
 
 def parts(root: Path = ROOT) -> Dict[str, List[Tuple[str, str]]]:
-    """Returns {heading of docs/index.md: [(title, name in the site)]}. Raises Broken: a page is not listed, or twice."""
-    names, found = pages(root), {}
+    """Returns {heading of docs/index.md: [(title, name in the site)]}.
+
+    Raises: Broken: a page is not listed, or is listed twice.
+    """
+    names, found, folder = pages(root), {}, root / "docs"
     text = (root / "docs" / "index.md").read_text(encoding="utf-8")
     for section in re.split(r"^## ", text, flags=re.MULTILINE)[1:]:
         heading, _, body = section.partition("\n")
         entries = re.findall(r"^- \[([^\]]*)\]\(([^)]*)\)", body, re.MULTILINE)
-        found[heading.strip()] = [(title, names[Path(os.path.normpath(root / "docs" / path))]) for title, path in entries
-                                  if Path(os.path.normpath(root / "docs" / path)) in names]
+        files = [(title, Path(os.path.normpath(folder / path))) for title, path in entries]
+        found[heading.strip()] = [(title, names[file]) for title, file in files if file in names]
     listed = Counter(name for entries in found.values() for _, name in entries)
-    faults = [f"docs/index.md: found {listed[name]} lines for {path.relative_to(root)}, allowed 1: '- [title](path): text'"
-              for path, name in names.items() if name != "index" and listed[name] != 1]
+    faults = [f"docs/index.md: found {listed[name]} lines for {path.relative_to(root)}, allowed one: "
+              "'- [title](path): text'" for path, name in names.items() if name != "index" and listed[name] != 1]
     if faults:
         raise Broken("\n".join(faults))
     return found
+
+
+def in_site(file: Path, root: Path = ROOT) -> str:
+    """Returns where the copy of a file that is no page stands in the site."""
+    return str(file.relative_to(root / "docs" if root / "docs" in file.parents else root))
 
 
 def staged(page: Path, names: Dict[Path, str], copies: Dict[Path, str], root: Path = ROOT) -> str:
@@ -121,12 +131,19 @@ def staged(page: Path, names: Dict[Path, str], copies: Dict[Path, str], root: Pa
             new = match[2]
         else:
             if target not in names:
-                copies[target] = str(target.relative_to(root / "docs" if root / "docs" in target.parents else root))
+                copies[target] = in_site(target, root)
             name = f"{names[target]}{target.suffix}" if target in names else copies[target]
             new = f"{match[1]}[{match[2]}]({os.path.relpath(name, folder or '.')}{'#' * bool(anchor)}{anchor})"
         result += [text[at:match.start()], new]
         at = match.end()
-    return "".join([*result, text[at:]])
+
+
+    def picture(match: re.Match) -> str:
+        file = Path(os.path.normpath(page.parent / match[2]))
+        copies[file] = name = f"_static/{in_site(file, root)}"  # Sphinx copies pictures of HTML from nowhere else
+        return f"{match[1]}{os.path.relpath(name, folder or '.')}{match[3]}"
+
+    return PICTURE.sub(picture, "".join([*result, text[at:]]))
 
 
 def stage(source: Path, root: Path = ROOT) -> None:
@@ -148,7 +165,7 @@ def stage(source: Path, root: Path = ROOT) -> None:
     for file, name in copies.items():
         (source / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(file, source / name)
-    (source / "_static").mkdir()
+    (source / "_static").mkdir(exist_ok=True)
     shutil.copy(root / "docs" / "style.css", source / "_static")
     shutil.copy(root / "docs" / "conf.py", source)
 
@@ -159,8 +176,8 @@ def stage_api(folder: Path) -> None:
 
     for package in PACKAGES:
         # The side of the relay that runs in ROS 2's Python cannot be imported here.
-        apidoc.main(["-q", "--module-first", "--no-toc", "-o", str(folder), str(ROOT / "src" / package / "src" / package),
-                     "*/ros2/door.py"])
+        modules = ROOT / "src" / package / "src" / package
+        apidoc.main(["-q", "--module-first", "--no-toc", "-o", str(folder), str(modules), "*/ros2/door.py"])
     (folder / "public.rst").write_text(PUBLIC, encoding="utf-8")
     import aras_visual_servo_common
 
@@ -189,7 +206,10 @@ def site_faults(site: Path) -> List[str]:
 
 
 def build(folder: Path) -> Path:
-    """Builds the site. Returns its first page. Raises Broken: a link leads nowhere, a page is unlisted, Sphinx warns."""
+    """Builds the site. Returns its first page.
+
+    Raises: Broken: a link leads nowhere, a page is not listed, or Sphinx warns.
+    """
     from sphinx.cmd.build import main as sphinx
 
     shutil.rmtree(folder, ignore_errors=True)

@@ -134,17 +134,23 @@ def test_every_picture_of_the_pages_and_the_tables_are_made(small, docs, tmp_pat
 
 
 LOOKED_UP = {"public": ("load_scenario", "register_law", "ServoLoop"),
-             "aras_visual_servo_learning.environment": ("ServoEnv",),
-             "aras_visual_servo.laws.base": ("sampled_gains",), "aras_visual_servo_sim": ("step_to_image",)}
+             "aras_visual_servo_learning": ("ServoEnv",),
+             "aras_visual_servo.laws": ("sampled_gains",), "aras_visual_servo_sim": ("step_to_image",)}
 
 
 def test_it_is_built_without_a_warning_and_has_what_people_look_up(tmp_path):
-    result = subprocess.run([WORKSPACE / "script" / "pictures" / "api", tmp_path / "api"], stdout=subprocess.PIPE,
+    result = subprocess.run([WORKSPACE / "script" / "docs", tmp_path / "site"], stdout=subprocess.PIPE,
                             stderr=subprocess.STDOUT, timeout=1500)
     assert result.returncode == 0, result.stdout.decode()
+    site = tmp_path / "site" / "html"
     for page, names in LOOKED_UP.items():
-        html = (tmp_path / "api" / "html" / f"{page}.html").read_text()
+        html = (site / "api" / f"{page}.html").read_text()
         assert all(f'<span class="pre">{name}</span>' in html for name in names), page
+    front = (site / "index.html").read_text()
+    for name in ("Tutorials", "How-to guides", "Reference", "Explanation"):
+        assert f'<span class="caption-text">{name}</span>' in front
+    assert '"conventions"' in (site / "searchindex.js").read_text() and (site / "search.html").is_file()
+    assert "http" not in "".join(re.findall(r'<(?:script|link|img)[^>]* (?:src|href)="([^"]*)"', front)), "offline"
 
 
 PAGE = (pathlib.Path(__file__).resolve().parents[2] / "docs" / "ros.md").read_text()
