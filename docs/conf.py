@@ -47,11 +47,13 @@ def as_text(app, what, name, thing, options, lines):
                 block.append("")
             else:
                 flush()
-        elif SECTION.match(line) or block or line.startswith(" "):
+        elif SECTION.match(line) or line.startswith(" ") or block and block[-1]:
             if paragraph:
                 flush()
             block.append(line)
         else:
+            if block:
+                flush()
             paragraph.append(line.strip())
     flush()
     lines[:] = result

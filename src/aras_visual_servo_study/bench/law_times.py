@@ -20,7 +20,7 @@ import numpy as np
 from aras_visual_servo import (ORDER, Features, Kinematics, Observation, PlanarTarget, Servo, expand, known_laws,
                                load_scenario, load_yaml, plane_from_pose, resolve_uri, spatial)
 
-sys.path.append(str(pathlib.Path(__file__).resolve().parents[3] / "script" / "docs"))
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[3] / "script" / "pictures"))
 import marked
 
 DT_S, Z_STAR_M = 1.0 / 30.0, 0.6
