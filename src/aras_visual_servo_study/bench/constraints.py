@@ -32,7 +32,7 @@ from aras_visual_servo_study.sweep.plan import SweepSettings, make_starts
 from aras_visual_servo_study.sweep.run import SweepRunner
 from aras_visual_servo_study.sweep.statistics import wilson
 
-sys.path.append(str(pathlib.Path(__file__).resolve().parents[3] / "script" / "docs"))
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[3] / "script" / "pictures"))
 import marked
 
 POINTS = {"vision.points": "corners", "vision.point_count": 4, "vision.order": 3,

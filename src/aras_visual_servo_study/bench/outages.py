@@ -21,7 +21,7 @@ import numpy as np
 from aras_visual_servo import ExperimentSettings, Features, ServoLoop, load_scenario
 from aras_visual_servo_study.sweep.statistics import wilson
 
-sys.path.append(str(pathlib.Path(__file__).resolve().parents[3] / "script" / "docs"))
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[3] / "script" / "pictures"))
 import marked
 
 LENGTHS_S = (0.25, 0.5, 1.0, 2.0)

@@ -25,7 +25,7 @@ from aras_visual_servo_study.compare.protocols import board as boards
 from aras_visual_servo import ExperimentSettings, ServoLoop, load_scenario, scenario_from_dict, spatial
 from aras_visual_servo_study.sweep.statistics import wilson
 
-sys.path.append(str(pathlib.Path(__file__).resolve().parents[3] / "script" / "docs"))
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[3] / "script" / "pictures"))
 import marked
 
 #: Way: its `vision.photometric`.
