@@ -137,7 +137,6 @@ def staged(page: Path, names: Dict[Path, str], copies: Dict[Path, str], root: Pa
         result += [text[at:match.start()], new]
         at = match.end()
 
-
     def picture(match: re.Match) -> str:
         file = Path(os.path.normpath(page.parent / match[2]))
         copies[file] = name = f"_static/{in_site(file, root)}"  # Sphinx copies pictures of HTML from nowhere else
