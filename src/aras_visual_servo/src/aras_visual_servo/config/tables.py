@@ -74,8 +74,8 @@ def _rows(schema, before, parts):
 
 
 def _range(found):
-    """What is allowed, with bounds as intervals and the unit behind them."""
-    text = allowed_of(found)
+    """What is allowed: a type, or bounds as intervals with the unit behind them."""
+    text = {"boolean": "boolean", "string": "text"}.get(found.get("type", "") * ("enum" not in found), allowed_of(found))
     for least, left in ((">=", "["), (">", "(")):
         for most, right in (("<=", "]"), ("<", ")")):
             text = re.sub(rf"{least} (\S+), {most} (\S+)", rf"{left}\1, \2{right}", text)
