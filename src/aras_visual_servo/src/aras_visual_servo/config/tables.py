@@ -4,14 +4,17 @@ import re
 from types import MappingProxyType
 from typing import Any, List, Mapping
 
+#: Words of allowed_of -> those of the tables.
+TYPES = {"true, false": "boolean", "a text": "string", "texts": "strings", "a whole number": "integer",
+         "whole numbers": "integers", "whole": "integer", "a number": "number"}
 HEAD = ("| key | default | allowed | meaning |", "|---|---|---|---|")
 
 
 def table_of(schema: Mapping[str, Any], others: Mapping[str, Mapping[str, Any]] = MappingProxyType({})) -> List[str]:
     """Returns the lines of the table of a section.
 
-    Args: schema: of the section.  others: name -> schema of the other tables. A part with the keys of one of them is one
-        row, which names that table.
+    Args: schema: of the section.  others: name -> schema of the other tables. A part with the keys of one of them is
+        one row, which names that table.
     """
     parts = [(name, section_of(other).get("properties")) for name, other in others.items() if other is not schema]
     return [*HEAD, *(f"| {' | '.join(row)} |" for row in _rows(section_of(schema), "", parts))]
@@ -75,11 +78,13 @@ def _rows(schema, before, parts):
 
 def _range(found):
     """What is allowed: a type, or bounds as intervals with the unit behind them."""
-    text = {"boolean": "boolean", "string": "text"}.get(found.get("type", "") * ("enum" not in found), allowed_of(found))
+    text = allowed_of(found)
+    for word, name in TYPES.items():
+        text = re.sub(rf"(?<!`)\b{word}\b(?!`)", name, text)
     for least, left in ((">=", "["), (">", "(")):
         for most, right in (("<=", "]"), ("<", ")")):
             text = re.sub(rf"{least} (\S+), {most} (\S+)", rf"{left}\1, \2{right}", text)
-    text, unit = re.sub(r"(numbers|whole) ([\[(])", r"\1 in \2", text), found.get("unit", "").replace(", ", " or ")
+    text, unit = re.sub(r"(numbers|integer) ([\[(])", r"\1 in \2", text), found.get("unit", "").replace(", ", " or ")
     return (" " if re.search(r"[])\d]$", text) else ", ").join(filter(None, (text, unit)))
 
 
