@@ -18,6 +18,14 @@ PAGE = (ROOT / "docs" / "theory.md").read_text()
 STEP_RAD = 1e-5
 
 
+def test_each_number_stands_for_one_equation_and_the_code_cites_no_other():
+    numbers = re.findall(r"^\*\*\((T\d+)\)", PAGE, re.MULTILINE)
+    assert len(numbers) == len(set(numbers))
+    cited = {number: path for kind in ("py", "hpp", "cpp", "yaml") for path in (ROOT / "src").rglob(f"*.{kind}")
+             for number in re.findall(r"\((T\d+)[,)]|theory\.md,? (T\d+)", path.read_text()) for number in number if number}
+    assert len(cited) > 40 and not set(cited) - set(numbers), {n: cited[n] for n in set(cited) - set(numbers)}
+
+
 def test_the_wrist_rises_with_the_elbow_by_the_stated_slope():
     scenario = avs.load_scenario("experiment_1")
     wrist = avs.Kinematics(scenario.urdf_xml(), "world", "link5")
