@@ -39,7 +39,7 @@ def test_a_table_is_made_between_its_marks_and_a_part_with_a_table_of_its_own_is
     more = "<!-- keys: a.part -->\n<!-- end keys -->\nafter\n"
     alone, both = (key_tables.with_tables(text, schemas.__getitem__) for text in (page, page + more))
     assert "old" not in alone and "| `part.b` |" in alone and alone.startswith("before\n") and "between\n" in alone
-    assert "| `part.b` |" not in both and "| `b` |  | none | a number | B. |\n<!-- end keys -->\nafter\n" in both
+    assert "| `part.b` |" not in both and "| `b` | none | number | B. |\n<!-- end keys -->\nafter\n" in both
     assert key_tables.with_tables(both, schemas.__getitem__) == both
     with pytest.raises(KeyError):
         key_tables.with_tables("<!-- keys: c -->\n<!-- end keys -->\n", schemas.__getitem__)

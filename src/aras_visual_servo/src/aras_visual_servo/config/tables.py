@@ -1,16 +1,23 @@
 """Tables of keys for people, in Markdown, made from the schema of a section (config/schema.py)."""
 
-from typing import Any, Iterable, List, Mapping
+import re
+from types import MappingProxyType
+from typing import Any, List, Mapping
 
-HEAD = ("| key | unit | default | allowed | meaning |", "|---|---|---|---|---|")
+#: Words of allowed_of -> those of the tables.
+TYPES = {"true, false": "boolean", "a text": "string", "texts": "strings", "a whole number": "integer",
+         "whole numbers": "integers", "whole": "integer", "a number": "number"}
+HEAD = ("| key | default | allowed | meaning |", "|---|---|---|---|")
 
 
-def table_of(schema: Mapping[str, Any], elsewhere: Iterable[str] = ()) -> List[str]:
-    """Lines of the table of a section.
+def table_of(schema: Mapping[str, Any], others: Mapping[str, Mapping[str, Any]] = MappingProxyType({})) -> List[str]:
+    """Returns the lines of the table of a section.
 
-    Args: schema: of the section.  elsewhere: dotted keys whose own keys have a table of their own.
+    Args: schema: of the section.  others: name -> schema of the other tables. A part with the keys of one of them is
+        one row, which names that table.
     """
-    return [*HEAD, *(f"| {' | '.join(row)} |" for row in _rows(section_of(schema), "", set(elsewhere)))]
+    parts = [(name, section_of(other).get("properties")) for name, other in others.items() if other is not schema]
+    return [*HEAD, *(f"| {' | '.join(row)} |" for row in _rows(section_of(schema), "", parts))]
 
 
 def part_of(sections: Mapping[str, Any], name: str) -> Any:
@@ -37,9 +44,11 @@ def section_of(schema: Mapping[str, Any]) -> Any:
         if "const" in found:
             found["enum"] = list(dict.fromkeys(kind["properties"][key].get("const") for kind in with_key))
             del found["const"]
-        only = [] if len(with_key) == len(kinds) else [_told_by(kind) for kind in with_key]
+        without = [kind for kind in kinds if key not in kind["properties"]]
+        few, word = (without, "Except with") if len(without) < len(with_key) else (with_key, "With")
+        only = [_told_by(kind) for kind in few] if without else []
         if only and all(only):
-            found["description"] = f"With {' or '.join(only)}: {found.get('description', '')}"
+            found["description"] = f"{word} {' or '.join(only)}: {found.get('description', '')}"
         needed = sum(key in kind.get("required", ()) for kind in with_key)
         properties[key] = {**found, "needed": needed == len(with_key)}
     return {"properties": properties, "required": [key for key, found in properties.items() if found.pop("needed")]}
@@ -51,19 +60,32 @@ def _told_by(kind):
     return f"`{fixed[0][0]}: {fixed[0][1]}`" if fixed else ""
 
 
-def _rows(schema, before, elsewhere):
+def _rows(schema, before, parts):
     """Cells of a row for each key, the required ones first, those of a section after the section's own."""
     required = schema.get("required", ())
     properties = schema.get("properties", {})
     for key in sorted(properties, key=lambda key: key not in required):
         found, name = properties[key], before + key
         inner = section_of(found)
-        yield (f"`{name}`", found.get("unit", ""), _default(found, inner, key in required), allowed_of(found),
-               found.get("description", "").replace("|", "\\|"))
-        if "properties" in inner and name not in elsewhere:
+        table = next((other for other, keys in parts if keys and keys == inner.get("properties")), "")
+        meaning = " ".join(filter(None, (found.get("description", ""), table and f"Keys: table `{table}`.")))
+        yield f"`{name}`", _default(found, inner, key in required), _range(found), meaning.replace("|", "\\|")
+        if "properties" in inner and not table:
             by_name = isinstance(found.get("additionalProperties"), dict)
             entry = "[]" if found.get("type") == "array" else ".NAME" if by_name else ""
-            yield from _rows(inner, f"{name}{entry}.", elsewhere)
+            yield from _rows(inner, f"{name}{entry}.", parts)
+
+
+def _range(found):
+    """What is allowed: a type, or bounds as intervals with the unit behind them."""
+    text = allowed_of(found)
+    for word, name in TYPES.items():
+        text = re.sub(rf"(?<!`)\b{word}\b(?!`)", name, text)
+    for least, left in ((">=", "["), (">", "(")):
+        for most, right in (("<=", "]"), ("<", ")")):
+            text = re.sub(rf"{least} (\S+), {most} (\S+)", rf"{left}\1, \2{right}", text)
+    text, unit = re.sub(r"(numbers|integer) ([\[(])", r"\1 in \2", text), found.get("unit", "").replace(", ", " or ")
+    return (" " if re.search(r"[])\d]$", text) else ", ").join(filter(None, (text, unit)))
 
 
 def _default(found, inner, required):

@@ -18,7 +18,7 @@ class PoseLaw(Law):
     For each image the joint positions predict the pose, and the image corrects it. With `pose_from: moments` the pose
     is that of the known target (T24). With `pose_from: points` it is that of the target's corners or, if no target is
     known, of points that lie in the taught plane where the goal's view shows them (T29). With `pose_from: depth` it is
-    that of the same points, but the depth image says how far each of them is, here and in the goal's view (T73).
+    that of the same points, but the depth image says how far each of them is, here and in the goal's view (T75).
 
     `_twist` of a subclass finds the camera's pose X_CgC, (4, 4), as the image gives it in `look.X_CgC`, and the pose of
     the target's frame T in the camera in `self._X_CT`. Without a known target T is the camera frame at the goal.

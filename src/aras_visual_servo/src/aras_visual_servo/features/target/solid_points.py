@@ -1,4 +1,4 @@
-"""Pose of points whose depths are seen, too: absolute orientation (docs/theory.md T73).
+"""Pose of points whose depths are seen, too: absolute orientation (docs/theory.md T75).
 
     seen = SolidPoints(points_T)                # (N, 3) in the target's frame T, N >= 3, not on a line
     X_CT, residual, condition = seen.follow(X_CT, points_C)
