@@ -23,6 +23,7 @@ CODE = re.compile(r"^(`{3,}|~{3,}).*?^\1[`~]*$|(?<!`)(`+)(?!`).+?(?<!`)\2(?!`)",
 PICTURE = re.compile(r'(<img [^>]*?src=")([^"]+)(")')
 LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\[\]]*\])*)\]\(([^()\s]+)\)")
 HEADING = re.compile(r"^#{1,6} +(.*?)[ #]*$", re.MULTILINE)
+TAG = re.compile(r"(?<!\\)</?(?!(?:a|br|details|img|kbd|sub|summary|sup)\b)[A-Za-z][\w-]*[^<>]*>")
 ATTRIBUTE = re.compile(r'<[^>]*?\s(href|src)="([^"]*)"|<[^>]*?\sid="([^"]*)"')
 PUBLIC = """Public API
 ==========
@@ -76,10 +77,16 @@ def anchors(text: str) -> set:
 
 
 def link_faults(files: List[Path], root: Path = ROOT) -> List[str]:
-    """Returns a line for each link of these Markdown files to a file or heading that does not exist."""
+    """Returns a line for each link of these Markdown files to a file or heading that does not exist.
+
+    Words such as <name> outside code are faults too: a browser takes them for a tag and hides them.
+    """
     faults, known = [], {}
     for page in files:
         text = page.read_text(encoding="utf-8")
+        for tag in TAG.finditer(without_code(text)):
+            faults.append(f"{page.relative_to(root)}:{text.count(chr(10), 0, tag.start()) + 1}: found {tag[0]}, allowed "
+                          f"`{tag[0]}` or \\{tag[0]}")
         for match, path, anchor in links(text):
             target = page if not path else Path(os.path.normpath(page.parent / path))
             where = f"{page.relative_to(root)}:{text.count(chr(10), 0, match.start()) + 1}: found {match[3]}, "

@@ -150,6 +150,12 @@ def test_links_and_anchors_of_a_page_are_those_that_code_hosts_show(pages):
     assert "gone.md" in faults[0] and "#none" in faults[1] and "#part-two" in faults[1]
 
 
+def test_words_that_a_browser_takes_for_a_tag_are_named(pages):
+    (pages / "docs" / "other.md").write_text("# Other\n`<code>` \\<name> <img src='a.png'>\n<name>/image\n")
+    faults = site.link_faults([pages / "docs" / "other.md"], pages)
+    assert len(faults) == 1 and faults[0].startswith("docs/other.md:3: found <name>")
+
+
 def test_a_page_is_staged_with_the_links_of_the_site(pages):
     (pages / "README.md").write_text("See [the page](docs/page.md#again) in [a file](folder/file.txt) of [it](folder).")
     copies = {}

@@ -60,6 +60,11 @@ def _told_by(kind):
     return f"`{fixed[0][0]}: {fixed[0][1]}`" if fixed else ""
 
 
+def _escaped(text):
+    """Words of a cell: a bar does not end it, and <name> is no tag, which a browser would hide."""
+    return re.sub(r"(`[^`]*`)|<", lambda match: match[1] or "\\<", text.replace("|", "\\|"))
+
+
 def _rows(schema, before, parts):
     """Cells of a row for each key, the required ones first, those of a section after the section's own."""
     required = schema.get("required", ())
@@ -69,7 +74,7 @@ def _rows(schema, before, parts):
         inner = section_of(found)
         table = next((other for other, keys in parts if keys and keys == inner.get("properties")), "")
         meaning = " ".join(filter(None, (found.get("description", ""), table and f"Keys: table `{table}`.")))
-        yield f"`{name}`", _default(found, inner, key in required), _range(found), meaning.replace("|", "\\|")
+        yield f"`{name}`", _default(found, inner, key in required), _range(found), _escaped(meaning)
         if "properties" in inner and not table:
             by_name = isinstance(found.get("additionalProperties"), dict)
             entry = "[]" if found.get("type") == "array" else ".NAME" if by_name else ""
