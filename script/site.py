@@ -24,7 +24,7 @@ PICTURE = re.compile(r'(<img [^>]*?src=")([^"]+)(")')
 LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\[\]]*\])*)\]\(([^()\s]+)\)")
 HEADING = re.compile(r"^#{1,6} +(.*?)[ #]*$", re.MULTILINE)
 TAG = re.compile(r"(?<!\\)</?(?!(?:a|br|details|img|kbd|sub|summary|sup)\b)[A-Za-z][\w-]*[^<>]*>")
-ATTRIBUTE = re.compile(r'<[^>]*?\s(href|src)="([^"]*)"|<[^>]*?\sid="([^"]*)"')
+ATTRIBUTE = re.compile(r'\s(href|src)="([^"]*)"|\sid="([^"]*)"')
 PUBLIC = """Public API
 ==========
 
