@@ -120,7 +120,7 @@ def rows(lines):
     return found
 
 
-def test_the_table_beside_the_paper_is_the_one_measured(monkeypatch):
+def test_the_table_of_the_readme_is_the_one_measured(monkeypatch):
     monkeypatch.setattr(sys, "path", [str(WORKSPACE / "script/docs"), *sys.path])
     lines, _ = importlib.import_module("paper_table").table()
     page = (WORKSPACE / "docs" / "performance.md").read_text(encoding="utf-8")
