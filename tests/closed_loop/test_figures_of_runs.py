@@ -129,4 +129,4 @@ def test_the_table_of_the_readme_is_the_one_measured(monkeypatch):
     for name, numbers in measured.items():
         assert len(written[name]) == len(numbers), name
         for here, there in zip(numbers, written[name]):
-            assert abs(here - there) <= max(PAPER_SHARE * here, LEAST), f"{name}: the page says {there}, measured {here}"
+            assert abs(here - there) <= max(PAPER_SHARE * here, LEAST), f"{name}: found {there}, measured {here}"
