@@ -1,4 +1,4 @@
-"""The figures of README.md: accuracy, determinism, speed. Prints one table; run it through script/bench."""
+"""The figures of docs/performance.md: accuracy, determinism, speed. Prints one table; run it through script/bench."""
 import argparse
 import hashlib
 import json
@@ -178,7 +178,7 @@ def main():
     parser.add_argument("--beside", metavar="WHAT=COMMAND", action="append", default=[],
                         help=f"another program to measure in turn with ours; WHAT: loop, {', '.join(IN_TURN)}")
     parser.add_argument("--in-turn-only", action="store_true", help="only what --beside can stand beside")
-    parser.add_argument("--paper", action="store_true", help="only README's table beside the paper's figures")
+    parser.add_argument("--paper", action="store_true", help="only the table beside the paper's figures")
     parser.add_argument("--stop-rule", type=int, metavar="RUNS",
                         help="only whether CONVERGED means arrived (docs/sweeps.md)")
     arguments = parser.parse_args()

@@ -1,4 +1,4 @@
-"""The table of README.md that stands beside the paper's figures; script/bench --paper prints it as Markdown.
+"""The table of docs/performance.md that stands beside the paper's figures; script/bench --paper prints it as Markdown.
 
 The published law and ours run from the same starts: the first STARTS of `sweep SCENARIO --seed SEED` that the arm can
 reach and from which it sees the target. Every run is judged by the true camera pose.
@@ -19,7 +19,7 @@ PUBLISHED = {1: ("2", "4.7", "2.6", "0.003"), 2: ("4", "8.9", "7.2", "0.03")}
 #: What runs here -> the scenario of experiment {n}.
 HERE = {"the published law, gains, stop rule and binary images of OSMesa, here": "experiment_{n}_paper",
         "ours: decoupled law, coverage images, tightened stop rule": "experiment_{n}"}
-HEAD = "| final error of the true camera pose: median (worst) of 16 starts | x | y | z [mm] | angle [deg] |\n" \
+HEAD = "| final error of the true camera pose | x [mm] | y [mm] | z [mm] | angle [deg] |\n" \
        "|---|---|---|---|---|"
 
 

@@ -1,4 +1,4 @@
-"""A sweep on a Dask scheduler that speaks TLS, switched on by the three lines of README.md."""
+"""A sweep on a Dask scheduler that speaks TLS, switched on by the three lines of docs/security.md."""
 import json
 import os
 import pathlib
@@ -7,7 +7,7 @@ import subprocess
 import pytest
 from ros_graph import until
 
-PAGE = pathlib.Path(__file__).resolve().parents[2] / "README.md"
+PAGE = pathlib.Path(__file__).resolve().parents[2] / "docs" / "security.md"
 LIMIT_S = 120.0  # wall time for what takes some seconds
 SWEEP = ("rosrun", "aras_visual_servo_controller", "sweep", "experiment_1", "--starts", "2", "--set",
          "servo.time_limit_s=0.2", "--output", "results", "--scheduler")

@@ -136,8 +136,8 @@ class Twist(Form):
 class WorkspaceSettings:
     """Section `real.workspace`: the box that the camera's optical centre stays in, in the robot's base."""
 
-    lower_m: Tuple[float, ...] = setting(size=3, unit="m", help="Its corner of the smallest x, y and z.")
-    upper_m: Tuple[float, ...] = setting(size=3, unit="m", help="Its corner of the largest x, y and z.")
+    lower_m: Tuple[float, ...] = setting(size=3, unit="m", help="Corner with the smallest x, y and z.")
+    upper_m: Tuple[float, ...] = setting(size=3, unit="m", help="Corner with the largest x, y and z.")
 
     def check(self) -> Iterator[str]:
         """Along every axis the box has a length."""
@@ -151,65 +151,63 @@ class RealSettings:
 
     command: str = setting(
         "trajectory", not_empty=True,
-        help="What the arm's driver takes: `position` or `velocity` (a number per joint), or `trajectory` "
-             "(trajectory_msgs/JointTrajectory with one point ahead).")
+        help="Input of the arm's driver: `position` or `velocity` (a number per joint), or `trajectory` "
+             "(trajectory_msgs/JointTrajectory with one point).")
     controller: str = setting(
         "arm_controller",
-        help="The ros_control controller that takes all joints at once, on CONTROLLER/command. An empty text with "
-             "`position` or `velocity`: every joint has a controller of its own.")
+        help="ros_control controller of all joints, on CONTROLLER/command. Empty, with `position` or `velocity`: one "
+             "controller per joint.")
     joint_controllers: Dict[str, str] = setting(
         {}, by="joint",
-        help="With an empty `controller`: the controllers of the joints, by joint; without a name here it is "
-             "JOINT_controller.")
+        help="With an empty `controller`: controller names by joint, else JOINT_controller.")
     twist_topic: str = setting(
         "servo_server/delta_twist_cmds", not_empty=True,
-        help="With `servo.output: twist`: where the twists go (geometry_msgs/TwistStamped).")
+        help="With `servo.output: twist`: topic of the twists (geometry_msgs/TwistStamped).")
     twist_frame: str = setting(
         "base", choices=("base", "camera"),
-        help="With `servo.output: twist`: the axes of the twist, those of `robot.base_link` or of `robot.tip_link`. It "
-             "is always the motion of the camera's optical centre.")
-    command_period_s: float = setting(0.008, unit="s", above=0, help="Time between two commands to the arm.")
+        help="With `servo.output: twist`: axes of the twist, those of `robot.base_link` or of `robot.tip_link`. The "
+             "twist is that of the camera's optical centre.")
+    command_period_s: float = setting(0.008, unit="s", above=0, help="Time between commands to the arm.")
     ahead_s: float = setting(
         0.024, unit="s", above=0,
-        help="With `trajectory`: how far ahead its point lies; some command periods, so that a late message does not "
-             "end the motion.")
+        help="With `trajectory`: time of the point ahead of the command. Several command periods bridge a late "
+             "message.")
     image_delay_s: float = setting(
         0.0, unit="s", at_least=0,
-        help="How much later than the exposure the stamps of the images are: drivers of USB cameras stamp an image "
-             "when it has arrived.")
+        help="Delay of the image stamps after the exposure. Drivers of USB cameras stamp an image on arrival.")
     max_joint_gap_s: float = setting(
-        0.05, unit="s", above=0, help="Joint states farther apart than this are not interpolated between.")
+        0.05, unit="s", above=0, help="Longest gap between joint states for interpolation.")
     max_extrapolation_s: float = setting(
         0.01, unit="s", at_least=0,
-        help="An image at most this much later than the newest joint state is answered from the last two joint states; "
-             "a later one waits for the next.")
-    joint_timeout_s: float = setting(0.1, unit="s", above=0, help="Without a joint state for this long the arm rests.")
+        help="An image newer than the newest joint state by at most this extrapolates the joints; a later one waits.")
+    joint_timeout_s: float = setting(
+        0.1, unit="s", above=0,
+        help="The arm stops after this time without a joint state.")
     clock_jump_s: float = setting(
         0.2, unit="s", above=0,
-        help="When ROS time steps ahead by more than this between two commands, or back, the goal ends.")
+        help="A larger step of ROS time between two commands, or a step back, ends the goal.")
     predict: bool = setting(
         False,
-        help="The features are predicted from the time of the image to the time at which the command acts. Features of "
-             "moments and points only.")
+        help="Predicts the features from the image time to the time of the command's effect. Moments and points only.")
     command_delay_s: float = setting(
-        0.0, unit="s", at_least=0, help="Time from a command to the motion of the joints; the prediction adds it.")
+        0.0, unit="s", at_least=0, help="Time from a command to the motion of the joints; part of the prediction.")
     max_prediction_s: float = setting(
-        0.3, unit="s", above=0, help="An image that would have to be predicted over a longer time is refused.")
+        0.3, unit="s", above=0, help="Images that need a longer prediction are rejected.")
     deadman: bool = setting(
         True,
-        help="The arm moves only while `true` comes on the topic `deadman` (std_msgs/Bool); its end ends the goal.")
-    deadman_timeout_s: float = setting(0.2, unit="s", above=0, help="It has to come again within this time.")
+        help="The arm moves only while `true` arrives on topic `deadman` (std_msgs/Bool). Its end ends the goal.")
+    deadman_timeout_s: float = setting(0.2, unit="s", above=0, help="Longest time between two such messages.")
     speed_part: float = setting(
         0.2, above=0, at_most=1,
-        help="Part of the URDF's velocity limits that the joints may use; all joints are slowed by one factor.")
+        help="Fraction of the URDF's velocity limits. One factor slows all joints.")
     joint_speed: Dict[str, float] = setting(
         {}, unit="m/s, rad/s", above=0, by="joint",
-        help="Largest speed of a joint by its name, in the place of speed_part.")
+        help="Largest speed by joint, instead of speed_part.")
     joint_acceleration: float = setting(
         5.0, unit="m/s^2, rad/s^2", above=0,
-        help="Largest acceleration of a joint; stops are at once, and the drives brake as they can.")
+        help="Largest acceleration of a joint. Stops are immediate, as fast as the drives brake.")
     workspace: Optional[WorkspaceSettings] = setting(
-        None, help="A box that the camera stays in; the arm brakes before it leaves it.")
+        None, help="Box for the camera; the arm brakes before leaving it.")
 
     def check(self) -> Iterator[str]:
         """The form is known and has the controllers that it needs."""

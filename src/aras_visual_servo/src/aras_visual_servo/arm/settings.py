@@ -18,18 +18,17 @@ class InverseSettings:
 
     length_m: float = setting(
         0.05, unit="m", above=0,
-        help="Length that makes metres comparable to radians: the linear rows of the Jacobian are divided by it.")
+        help="Length that scales metres to radians: it divides the linear rows of the Jacobian.")
     singular_value_threshold: float = setting(
-        0.02, above=0, help="Singular values below it are damped, the smaller the more; above it nothing is slowed.")
-    damping: float = setting(0.02, above=0, help="Damping of a direction that the arm has lost.")
+        0.02, above=0, help="Smaller singular values are damped, others inverted exactly.")
+    damping: float = setting(0.02, above=0, help="Damping at a singular value of 0.")
     joint_weights: Dict[str, float] = setting(
         {}, above=0, by="joint",
-        help="What it costs to move a joint, by its name, e.g. `{J1: 5.0}`; 1 for a joint that is not named.")
-    method: str = setting("damped", choices=METHODS, help="How small singular values are inverted (T40).")
+        help="Cost of moving a joint, by name, e.g. `{J1: 5.0}`; else 1.")
+    method: str = setting("damped", choices=METHODS, help="Method for small singular values (T40).")
     at_limits: str = setting(
         "scale", choices=("scale", "saturate"),
-        help="When a joint reaches its limit: `scale` slows the whole motion, `saturate` lets the other joints go on "
-             "without it (T44).")
+        help="At a joint limit: `scale` slows the whole motion, `saturate` continues with the other joints (T44).")
 
 
 @dataclass(frozen=True)
@@ -37,18 +36,17 @@ class NullSpaceSettings:
     """Section `servo.null_space`: what the arm does with the motion that leaves the camera where it is."""
 
     posture_gain_per_s: float = setting(2.0, unit="1/s", at_least=0, help="Return to the taught posture.")
-    joint_limit_gain_per_s: float = setting(1.0, unit="1/s", at_least=0, help="Away from the limits of the joints.")
+    joint_limit_gain_per_s: float = setting(1.0, unit="1/s", at_least=0, help="Away from joint limits.")
     manipulability_gain_per_s: float = setting(
         0.0, unit="rad^2/s", at_least=0,
-        help="Up the logarithm of the manipulability, away from singularities (T42; 4 us).")
-    max_speed: float = setting(0.2, unit="m/s, rad/s", above=0, help="Largest speed of a joint in this motion.")
+        help="Away from singularities, up the logarithm of the manipulability (T42).")
+    max_speed: float = setting(0.2, unit="m/s, rad/s", above=0, help="Largest joint speed of this motion.")
     projection: str = setting(
         "gradient", choices=("gradient", "large"),
-        help="`large`: far from the goal the spare motion may do all that leaves the rate of approach alone (T41).")
+        help="`large`: far from the goal, any motion that keeps the rate of approach is free (T41).")
     large_from: Tuple[float, ...] = setting(
         (0.05, 0.3), unit="rad/s", at_least=0, size=2, condition=RISING,
-        help="With `projection: large`: sizes of the twist, its linear part over length_m, between which that "
-             "projection takes over.")
+        help="With `projection: large`: sizes of the twist, linear part over length_m, between which it takes over.")
 
     def check(self) -> Iterator[str]:
         """The sizes are for the larger projection only."""
@@ -61,13 +59,13 @@ class LimitsSettings:
     """Section `servo.limits`: limits that are tighter than those of the URDF."""
 
     camera_speed_m_s: float = setting(
-        inf, unit="m/s", above=0, help="Of the camera; the twist is shortened as a whole.")
+        inf, unit="m/s", above=0, help="Of the camera; scales the whole twist.")
     camera_turn_rad_s: float = setting(
-        inf, unit="rad/s", above=0, help="Of the camera; the twist is shortened as a whole.")
+        inf, unit="rad/s", above=0, help="Of the camera; scales the whole twist.")
     joint_acceleration: Dict[str, float] = setting(
         {}, unit="m/s^2, rad/s^2", above=0, by="joint",
-        help="By the name of the joint, e.g. `{J1: 5.0}`: all joints are slowed by one factor, so that the direction "
-             "stays, and brake in time before a limit; stops are at once.")
+        help="By joint, e.g. `{J1: 5.0}`. One factor slows all joints, and they brake in time before a limit. Stops "
+             "are immediate.")
 
 
 @dataclass(frozen=True)
@@ -110,6 +108,6 @@ class DynamicsSettings:
         {}, unit="N, N m", at_least=0, by="joint", help="Coulomb friction by joint, in place of the URDF's.")
     loops: Dict[str, LoopSettings] = setting(
         {}, by="joint",
-        help="Gains `{p:, i:, d:, i_clamp:}` by joint. A PID that acts by effort takes the place of the joint's "
-             "controller, which commands the same, position or velocity.")
+        help="Gains `{p:, i:, d:, i_clamp:}` by joint. An effort PID replaces the joint's controller, which commands "
+             "the same quantity: position or velocity.")
     payload: Optional[PayloadSettings] = setting(None, help="What the arm carries.")

@@ -21,11 +21,10 @@ class BroydenSettings:
 
     initial: str = setting(
         "desired", choices=("desired", "moves"),
-        help="Where the first matrix comes from: `desired` takes that of the goal; `moves` finds it by a small test "
-             "move along each axis.")
+        help="First matrix: `desired` is that of the goal; `moves` estimates it by a small test move along each axis.")
     forgetting: float = setting(
         0.95, above=0, at_most=1,
-        help="Factor rho by which each image reduces the weight of earlier ones (T32); 1: nothing is forgotten.")
+        help="Factor rho on the weight of earlier images at each image (T32); 1: forgets nothing.")
     move: float = setting(0.01, above=0, help="Size of a test move: an angle in radians, a translation in parts of Z*.")
 
 

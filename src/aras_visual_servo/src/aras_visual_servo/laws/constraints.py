@@ -37,29 +37,29 @@ class ConstraintSettings:
 
     half_width: Optional[float] = setting(
         None, above=0,
-        help="Half the width of the view in normalised image coordinates (tangent of half the field of view), in which "
-             "the followed points stay, or without points the object; left out: no constraint.")
+        help="Half the width of the view (tangent of half the field of view) for the followed points, or without "
+             "points the object; none: no constraint.")
     half_height: Optional[float] = setting(None, above=0, help="Half the height of the view, likewise.")
     margin: float = setting(
-        0.05, at_least=0, help="Margin kept to the border of the view, in normalised image coordinates.")
+        0.05, at_least=0, help="Margin to the border of the view, in normalised coordinates.")
     extent: float = setting(
-        2.0, above=0, help="Without points: the object ends this many standard deviations from its centroid.")
+        2.0, above=0, help="Without points: size of the object, in standard deviations from its centroid.")
     least_depth_m: float = setting(
         0.1, unit="m", above=0,
-        help="No followed point, or without points the object's centroid, comes nearer along the optical axis.")
+        help="Smallest depth of the followed points, or without points of the object's centroid.")
     walls: Dict[str, WallSettings] = setting(
         {},
-        help="Planes by a name of your choice, e.g. `{table: {normal: [0, 0, 1], offset_m: 0.2}}`: the camera stays on "
-             "the side that the normal points to.")
+        help="Planes by name, e.g. `{table: {normal: [0, 0, 1], offset_m: 0.2}}`. The camera stays on the side of the "
+             "normal.")
     rate_per_s: float = setting(
-        5.0, unit="1/s", above=0, help="Room to a border or wall is used up at this rate at most.")
+        5.0, unit="1/s", above=0, help="The distance to a border or wall shrinks at this rate at most.")
     slack: bool = setting(
         True,
-        help="Where no motion within the limits of the joints keeps the view and the walls: `true` takes the one that "
-             "violates them least and says by how much, `false` stands still.")
+        help="If no motion within the joint limits keeps view and walls: `true` takes the motion that violates them "
+             "least and reports by how much, `false` stands still.")
     damping: float = setting(
         0.001, above=0,
-        help="Weight of the change of the joint velocities beside that of the features' rates, both relative.")
+        help="Relative weight of changes of the joint velocities against the features' rates.")
 
     @cached_property
     def borders(self) -> Tuple[Tuple[int, float, float, str], ...]:

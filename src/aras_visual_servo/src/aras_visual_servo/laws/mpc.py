@@ -36,13 +36,13 @@ CONTOUR = 8
 class MpcSettings(ConstraintSettings):
     """Settings of law `mpc`."""
 
-    horizon: int = setting(10, at_least=1, at_most=50, help="Steps that are predicted.")
+    horizon: int = setting(10, at_least=1, at_most=50, help="Number of predicted steps.")
     period_s: float = setting(
         0.1, unit="s", above=0,
-        help="Length of a predicted step. The answer is held until the next image and then made anew.")
+        help="Length of a predicted step. Each image gives a new plan.")
     moves: int = setting(
         4, at_least=1, at_most=50,
-        help="The joint velocities may change at the first so many steps, and are held from the last of them on.")
+        help="First steps at which the joint velocities may change; then they are constant.")
 
     def check(self) -> Iterator[str]:
         """Moves are steps of the horizon."""

@@ -18,12 +18,12 @@ class PhotometricSettings:
 
     damping: float = setting(
         0.01, at_least=0,
-        help="Damping mu of (T46) at the first image; it falls as the image comes to look like that of the goal.")
+        help="Damping mu of (T46) at the first image; it falls as the image approaches the goal image.")
     rest_m_per_s: float = setting(
-        0.0005, unit="m/s", above=0, help="The servo has not converged while the law asks for more speed than this.")
+        0.0005, unit="m/s", above=0, help="Not converged while the law commands more speed than this.")
     rest_rad_per_s: float = setting(
         0.001, unit="rad/s", above=0,
-        help="The servo has not converged while the law asks for a faster turn than this.")
+        help="Not converged while the law commands a faster turn than this.")
 
 
 @register_law("photometric", settings=PhotometricSettings)

@@ -18,11 +18,10 @@ class SlidingSettings:
 
     switching_per_s: float = setting(
         unit="1/s", above=0,
-        help="Rate kappa of (T31), which acts on top of the gains: outside the boundary layer the error falls faster "
-             "by kappa times `boundary`.")
+        help="Rate kappa of (T31): outside the boundary layer the error falls faster by kappa times `boundary`.")
     boundary: Tuple[float, ...] = setting(
         above=0, by="feature", not_empty=True,
-        help="Half the thickness phi of the boundary layer of (T31) for each feature, in its unit.")
+        help="Half-thickness phi of the boundary layer of (T31) for each feature, in its unit.")
 
 
 @register_law("sliding", settings=SlidingSettings)

@@ -35,10 +35,10 @@ class Place:
 
     joints: Optional[Dict[str, float]] = setting(
         None, unit="m, rad", by="joint_position",
-        help="Positions by the names of the joints, within their limits; a joint that is not named stays where it is.")
+        help="Positions by joint, within their limits; other joints stay where they are.")
     camera: Optional[CameraPlace] = setting(
         None,
-        help="Pose of the camera; a free camera is put there, an arm takes joint positions that reach it.")
+        help="Pose of the camera; an arm takes joint positions that reach it.")
 
     def check(self) -> Iterator[str]:
         """One of the two."""
@@ -76,7 +76,7 @@ class JudgeSettings:
     x_mm: float = setting(unit="mm", above=0, help="Along x of the goal camera.")
     y_mm: float = setting(unit="mm", above=0, help="Along y of the goal camera.")
     z_mm: float = setting(unit="mm", above=0, help="Along z of the goal camera.")
-    angle_deg: float = setting(unit="deg", above=0, help="Angle of the rotation that is left.")
+    angle_deg: float = setting(unit="deg", above=0, help="Remaining rotation angle.")
 
 
 def still(x_mm: float, y_mm: float, z_mm: float, angle_deg: float) -> Tuple[float, float]:
@@ -88,32 +88,31 @@ def still(x_mm: float, y_mm: float, z_mm: float, angle_deg: float) -> Tuple[floa
 class ExperimentSettings:
     """Section `experiment`: teach the view at the goal, go to the start, servo, judge."""
 
-    goal: Place = setting(help="Where the view is taught that the servo is to find again.")
-    start: Place = setting(help="Where the servo starts.")
+    goal: Place = setting(help="Place at which the goal view is taught.")
+    start: Place = setting(help="Place at which the servo starts.")
     z_star_m: float = setting(unit="m", above=0, help="Depth of the target in the taught view.")
     teach_images: int = setting(
         300, at_least=1,
-        help="Images at most whose mean is the taught view: as many as their noise asks for, two without noise. A goal "
-             "that may move is taught from one.")
-    settle_s: float = setting(0.5, unit="s", at_least=0, help="The arm waits at least this long at goal and start.")
+        help="Largest number of averaged images of the taught view: as many as their noise needs, two without noise, "
+             "one if the goal may move.")
+    settle_s: float = setting(0.5, unit="s", at_least=0, help="Shortest wait at goal and start.")
     settle_limit_s: float = setting(
         2.0, unit="s", above=0,
-        help="It waits at most this much longer for its joints to rest.")
+        help="Longest further wait for the joints to rest.")
     settle_speed: float = setting(0.002, unit="m/s, rad/s", above=0, help="A joint slower than this is at rest.")
     arrived_within: float = setting(
         0.05, unit="m, rad", above=0,
-        help="A joint that rests farther than this from where it was sent, at goal or start, ends the run: something "
-             "holds it.")
+        help="A joint that rests farther than this from its place at goal or start ends the run.")
     speed_part: float = setting(
         0.3, above=0, at_most=1,
-        help="Part of the joints' velocity limits that the trajectories to goal and start use.")
+        help="Fraction of the joints' velocity limits for the trajectories to goal and start.")
     acceleration: float = setting(2.0, unit="m/s^2, rad/s^2", above=0, help="Acceleration on these trajectories.")
     image_period_s: float = setting(
         1.0 / 30.0, unit="s", above=0,
-        help="Time between two images, taken for the first one only; it is measured afterwards.")
+        help="Image period assumed for the first image, then measured.")
     judge: Optional[JudgeSettings] = setting(
         None,
-        help="A run passes when its final error is within these; without, when it has converged.")
+        help="Limits of the final error for a run to pass; off: a converged run passes.")
 
     @property
     def still(self) -> Optional[Tuple[float, float]]:

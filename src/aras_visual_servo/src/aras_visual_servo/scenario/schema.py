@@ -28,25 +28,24 @@ class RobotSettings:
     urdf: str = setting(not_empty=True, help="File of the robot's URDF.")
     controllers: str = setting(not_empty=True, help="File of its joint controllers, in ros_control's layout.")
     base_link: str = setting(
-        not_empty=True, help="Link where the chain begins that carries the camera, or the target.")
+        not_empty=True, help="First link of the chain that carries the camera or the target.")
     tip_link: str = setting(
-        not_empty=True, help="Optical frame of the camera, where the chain ends if the arm carries the camera.")
+        not_empty=True, help="Optical frame of the camera; last link of the chain if the arm carries the camera.")
     target_link: Optional[str] = setting(
         None, not_empty=True,
-        help="Eye-to-hand: the link that carries the target before a camera that stands still. Poses of the camera, as "
-             "in experiment.goal.camera, are then in the frame of this link. Left out: the arm carries the camera.")
+        help="Eye-to-hand: link that carries the target in front of a fixed camera. Camera poses "
+             "(experiment.goal.camera) are then in its frame. None: the arm carries the camera.")
     hand_eye: Optional[HandEyeSettings] = setting(
         None,
-        help="Where a calibration found the camera on the arm, or beside it; the controller then goes by this and "
-             "not by tip_link.")
+        help="Calibrated camera pose, used by the controller instead of tip_link.")
     joint_offsets: Dict[str, float] = setting(
         {}, unit="m, rad", by="joint",
-        help="True minus reported position by joint, as `aras-servo calibrate joint_offsets` finds it; the controller "
-             "reckons with it, and set-points stay those of the arm.")
+        help="True minus reported position by joint, from `aras-servo calibrate joint_offsets`. The controller "
+             "corrects positions by it; set-points stay those of the arm.")
     dynamics: Optional[DynamicsSettings] = setting(
         None,
-        help="In what this robot differs from its URDF and its controllers' file: friction, loops, payload. "
-             "`aras-servo identify` writes it.")
+        help="Friction, loops and payload that replace those of URDF and controllers' file. `aras-servo identify` "
+             "writes it.")
 
 
 #: Sections that settings classes of this package describe; `servo` has those of laws and features too.

@@ -38,19 +38,18 @@ class FilterSettings:
 
     outage_s: float = setting(
         1.0, unit="s", at_least=0,
-        help="The servo goes on for this long on foreseen features while the target is not seen.")
+        help="Longest time on predicted features while the target is not visible.")
     latency_s: float = setting(
         0.0, unit="s", at_least=0,
-        help="Time from an image to when its answer acts: the features are foreseen this far ahead.")
+        help="Time from an image to the effect of its answer; the prediction covers it.")
     noise: float = setting(0.001, above=0, help="Noise of a measured feature (standard deviation), in its unit.")
     acceleration: float = setting(
         1.0, above=0,
-        help="Change of a feature's rate by the target's motion (standard deviation), in its unit per s^2: a larger "
-             "one follows turns sooner, and noise as well.")
+        help="Change of a feature's rate by the target's motion (standard deviation), in its unit per s^2. A larger "
+             "value follows turns sooner, with more noise.")
     rate: float = setting(
         0.2, above=0,
-        help="Rate of a feature by the target's motion before anything was seen (standard deviation), in its unit per "
-             "second.")
+        help="Initial rate of a feature by the target's motion (standard deviation), in its unit per second.")
 
 
 class FeatureFilter:

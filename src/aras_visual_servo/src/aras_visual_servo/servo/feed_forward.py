@@ -35,16 +35,17 @@ class FeedForwardSettings:
 
     acceleration_m_s2: float = setting(
         0.5, unit="m/s^2", above=0,
-        help="Acceleration of targets like this one (standard deviation): a larger one follows turns sooner, and noise "
-             "as well.")
-    acceleration_rad_s2: float = setting(1.0, unit="rad/s^2", above=0, help="The same of their turn.")
+        help="Acceleration of the target (standard deviation). A larger value follows turns sooner, with more noise.")
+    acceleration_rad_s2: float = setting(
+        1.0, unit="rad/s^2", above=0,
+        help="Angular acceleration of the target, likewise.")
     noise_m: float = setting(
-        0.0003, unit="m", above=0, help="Noise of the place that one image gives the goal (standard deviation).")
-    noise_rad: float = setting(0.001, unit="rad", above=0, help="Noise of the attitude that one image gives it.")
+        0.0003, unit="m", above=0, help="Noise of the goal's position from one image (standard deviation).")
+    noise_rad: float = setting(0.001, unit="rad", above=0, help="Noise of the goal's attitude from one image.")
     speed_m_s: float = setting(
-        0.1, unit="m/s", above=0, help="Speed of targets like this one, before anything was seen (standard deviation).")
+        0.1, unit="m/s", above=0, help="Initial speed of the target (standard deviation).")
     turn_rad_s: float = setting(
-        0.3, unit="rad/s", above=0, help="Turn of targets like this one, before anything was seen.")
+        0.3, unit="rad/s", above=0, help="Initial turn rate of the target, likewise.")
     part: float = setting(1.0, at_least=0, at_most=1, help="Part of the estimated motion that is fed forward.")
 
 

@@ -41,26 +41,25 @@ class LostTargetSettings:
     """Section `servo.lost_target`: how the arm backs off or searches, where `on_lost` says so."""
 
     patience_s: float = setting(
-        0.1, unit="s", at_least=0, help="The arm holds still for this long first: something may have passed by.")
+        0.1, unit="s", at_least=0, help="Time for which the arm first holds still.")
     speed: float = setting(0.5, unit="m/s, rad/s", above=0, help="Speed of the fastest joint.")
     confirm_s: float = setting(
-        0.2, unit="s", at_least=0, help="The target has to be seen for this long before the law takes over again.")
+        0.2, unit="s", at_least=0, help="Time for which the target must be visible before the law resumes.")
     slow_down: float = setting(
         0.5, above=0, at_most=1,
-        help="The twist of the law is multiplied by this after each recovery, so that what overshot does not do so "
-             "again.")
-    attempts: int = setting(5, at_least=1, help="Recoveries of one run; lost once more, the servo ends as `STOPPED`.")
+        help="Factor on the twist of the law after each recovery, against repeated overshoot.")
+    attempts: int = setting(5, at_least=1, help="Recoveries per run; the next loss ends the servo as `STOPPED`.")
     time_limit_s: float = setting(
         10.0, unit="s", above=0,
-        help="Lost for this long, the servo ends as `STOPPED`; its own time limit holds as well.")
+        help="A longer loss ends the servo as `STOPPED`.")
     pattern: str = setting(
         "translate", choices=("translate", "tilt"),
-        help="Of a search: the camera moves along its own x and y, or turns about them.")
+        help="Search motion: along the camera's own x and y, or turns about them.")
     step_m: float = setting(
         0.04, unit="m", above=0,
-        help="Distance between the rings of a search with `pattern: translate`; each ring has eight places, the first "
-             "where the target was seen last.")
-    step_rad: float = setting(0.08, unit="rad", above=0, help="The same with `pattern: tilt`.")
+        help="Distance between the rings of the search with `pattern: translate`. Each ring has eight places, the "
+             "first towards the last view of the target.")
+    step_rad: float = setting(0.08, unit="rad", above=0, help="Likewise with `pattern: tilt`.")
     rings: int = setting(3, at_least=1, help="Number of rings of a search.")
     speed_m_s: float = setting(0.1, unit="m/s", above=0, help="Speed of the camera in a search.")
     turn_rad_s: float = setting(0.3, unit="rad/s", above=0, help="Turn of the camera in a search.")

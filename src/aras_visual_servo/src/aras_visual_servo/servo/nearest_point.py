@@ -72,8 +72,7 @@ class OutOfReachSettings:
 
     rest_s: float = setting(
         2.0, unit="s", at_least=0,
-        help="The servo ends as `OUT_OF_REACH` when the arm has rested at the nearest point for this long. With "
-             "`track` it goes on.")
+        help="Rest at the nearest point before the servo ends as `OUT_OF_REACH`; with `track` it continues.")
 
 
 class NearestPoint:

@@ -39,85 +39,84 @@ class ServoSettings(LawSetup):
 
     law: str = setting(
         not_empty=True,
-        help="The control law by name: one of docs/features_and_laws.md, or one registered by you. A law that has "
-             "settings of its own finds them in a section of its name.")
+        help="Name of the control law (docs/features_and_laws.md, or your own). A law reads its settings from the "
+             "section of its name.")
     plugins: Tuple[str, ...] = setting(
-        (), help="Python modules that register features and laws of their own; they are imported first.")
+        (), help="Python modules with your features and laws, imported first.")
     mode: str = setting(
         choices=MODES,
-        help="`continuous`: a velocity for every image. `look_then_move`: one image, one move, settle, the next image.")
+        help="`continuous`: a velocity per image. `look_then_move`: image, move, settle, repeat.")
     output: str = setting(
         "joints", choices=OUTPUTS,
-        help="What a real arm is told: `joints` as `real.command` says, or `twist`, that of the camera, on "
-             "`real.twist_topic`. A simulated arm takes joints.")
+        help="Command to a real arm: `joints` (see `real.command`), or `twist` of the camera on `real.twist_topic`. A "
+             "simulated arm needs `joints`.")
     gains_per_s: Tuple[float, ...] = setting(
         unit="1/s", above=0, by="feature", not_empty=True,
-        help="Rate at which each feature decays (`points4: 2.0` for all of four points); look_then_move: gain times "
+        help="Rate at which each feature decays; `points4: 2.0` sets all four points. look_then_move: gain times "
              "sample_time_s < 2.")
     thresholds: Tuple[float, ...] = setting(
         above=0, by="feature", not_empty=True,
-        help="The servo has converged when the mean error of every feature over hold_s is below its threshold, and "
-             "what `stop` asks for holds too: xn, yn and an in m, alpha in rad, the others as they are.")
+        help="Converged when the mean error of every feature over hold_s is below its threshold and `stop` is met. "
+             "Units: m for xn, yn, an; rad for alpha; else the feature's own.")
     hold_s: float = setting(
         0.2, unit="s", at_least=0,
-        help="The servo has converged when all that is judged was within its threshold for this long.")
+        help="Time for which everything must stay within its threshold.")
     time_limit_s: float = setting(unit="s", above=0, help="Simulated time after which the servo ends.")
     stages: Tuple[str, ...] = setting(
         (),
-        help="Stages of your own, by name: each may change the twist, or stop the arm, right before it moves. Mode "
-             "`continuous` only.")
+        help="Your own stages by name. Each may change the twist or stop the arm. Mode `continuous` only.")
     stop: StopSettings = setting(
-        StopSettings(), help="What else has to be within bounds before the servo has converged (T60, T61).")
+        StopSettings(), help="Further conditions of convergence (T60, T61).")
     creep_rate_per_s: float = setting(
         2.0, unit="1/s", at_least=0,
-        help="Rate at which the servo works off what joints creep against dry friction near the goal (T62); 0: not. "
-             "Mode `continuous`, goals at rest.")
+        help="Rate of compensation for joints that creep against dry friction near the goal (T62); 0: off. Mode "
+             "`continuous`, goals at rest.")
     input_timeout_s: float = setting(
         0.2, unit="s", above=0, help="A longer gap between images stops the arm for that image.")
     tilt_gain_per_s: float = setting(
         3.0, unit="1/s", at_least=0,
-        help="Return of the optical axis to its taught direction, from the joint positions; 0: it is not held.")
+        help="Gain that returns the optical axis to its taught direction, by the joint positions; 0: off.")
     sample_time_s: float = setting(
-        0.01, unit="s", above=0, help="look_then_move: a look asks for gain times this of the error.")
+        0.01, unit="s", above=0, help="look_then_move: a move corrects gain times this of the error.")
     settle_speed: float = setting(
         0.002, unit="m/s, rad/s", above=0,
-        help="look_then_move: joints have settled when they are slower than this and within settle_tolerance.")
+        help="look_then_move: a settled joint is slower than this and within settle_tolerance.")
     settle_tolerance: float = setting(
         0.02, unit="m, rad", above=0,
-        help="look_then_move: how near to its set-point a joint has settled, friction included.")
+        help="look_then_move: largest distance of a settled joint from its set-point.")
     settle_limit_s: float = setting(
         1.0, unit="s", above=0,
-        help="look_then_move: joints that have not settled after this long are taken as they are.")
+        help="look_then_move: longest wait for joints to settle.")
     acceleration: float = setting(
         2.0, unit="m/s^2, rad/s^2", above=0, help="look_then_move: acceleration of the moves.")
-    inverse: InverseSettings = setting(InverseSettings(), help="From the twist of the camera to joint velocities.")
-    null_space: NullSpaceSettings = setting(NullSpaceSettings(), help="Motion that leaves the camera where it is.")
+    inverse: InverseSettings = setting(
+        InverseSettings(),
+        help="Inverse kinematics: from the camera's twist to joint velocities.")
+    null_space: NullSpaceSettings = setting(NullSpaceSettings(), help="Motion that does not move the camera.")
     limits: LimitsSettings = setting(
-        LimitsSettings(), help="Limits that are tighter than those of the URDF; mode `continuous` only.")
-    joint_limit_margin: float = setting(0.01, unit="m, rad", at_least=0, help="Kept to the limit of every joint.")
+        LimitsSettings(), help="Limits tighter than the URDF's; mode `continuous` only.")
+    joint_limit_margin: float = setting(0.01, unit="m, rad", at_least=0, help="Margin to every joint limit.")
     visibility: Optional[VisibilitySettings] = setting(
-        None, help="The object is kept in a view of this size (T43; 55 us); mode `continuous` only.")
+        None, help="Keeps the object in a view of this size (T43); mode `continuous` only.")
     feed_forward: Optional[FeedForwardSettings] = setting(
-        None, help="The estimated motion of the target is fed forward (T45); mode `continuous` only.")
+        None, help="Feeds the estimated motion of the target forward (T45); mode `continuous` only.")
     out_of_reach: Optional[OutOfReachSettings] = setting(
         None,
-        help="An arm that cannot bring the camera to the goal goes to the nearest point by its kinematics and rests "
-             "there, and the servo ends. With `inverse.method: damped`, an arm that a limit or a singularity holds "
-             "near a goal within reach goes on by its kinematics too. Off: the arm rests after it was watched for some "
-             "seconds, and the servo goes on to its time limit. Mode `continuous` only.")
+        help="For a goal out of reach, the arm goes to the nearest point by its kinematics and the servo ends. With "
+             "`inverse.method: damped` it also passes a limit or singularity near a reachable goal. Off: the arm "
+             "rests after some seconds, and the servo lasts until its time limit. Mode `continuous` only.")
     filter: Optional[FilterSettings] = setting(
         None,
-        help="The features are filtered, foreseen while the target is not seen, and foreseen by a latency; mode "
-             "`continuous` only.")
+        help="Filters the features and predicts them over outages and latency; mode `continuous` only.")
     track: bool = setting(
         False,
-        help="The goal is followed until the time limit; the servo has converged if every error is below its threshold "
-             "then. Mode `continuous` only.")
+        help="Follows the goal until the time limit. Converged when every error is below its threshold then. Mode "
+             "`continuous` only.")
     on_lost: str = setting(
         "hold", choices=ACTIONS,
-        help="While the target is lost: `hold` still, `back_off` along the path travelled while it was seen, or "
-             "`search` around the pose that saw it last.")
-    lost_target: LostTargetSettings = setting(LostTargetSettings(), help="How `back_off` and `search` are done.")
+        help="While the target is lost: `hold` still, `back_off` along the path with the target visible, or `search` "
+             "around the last such pose.")
+    lost_target: LostTargetSettings = setting(LostTargetSettings(), help="Settings of `back_off` and `search`.")
 
     @property
     def follows(self) -> bool:

@@ -53,21 +53,20 @@ class StopSettings:
 
     rule: str = setting(
         "pose", choices=RULES,
-        help="`pose`: features, tilt and pose, as below. `published`: the paper's rule, which asks for `thresholds` "
-             "alone; the run then ends as STOPPED_BY_RULE and never as CONVERGED.")
+        help="`pose`: features, tilt and pose, as below. `published`: `thresholds` alone; the run ends as "
+             "STOPPED_BY_RULE, never as CONVERGED.")
     tilt_rad: float = setting(
         0.0005, unit="rad", above=0,
-        help="Largest angle between the optical axis and its taught direction, by the joints, where the servo holds it "
+        help="Largest angle of the optical axis to its taught direction, by the joints, if the servo holds it "
              "(`tilt_gain_per_s`).")
     position_m: float = setting(
         0.0006, unit="m", above=0,
-        help="Largest distance of the camera from the goal, by the pose that the feature errors stand for.")
+        help="Largest distance of the camera from the goal, computed from the feature errors.")
     rotation_rad: float = setting(
-        0.0024, unit="rad", above=0, help="Largest angle of the camera from the goal, likewise.")
+        0.0024, unit="rad", above=0, help="Largest angle of the camera to the goal, likewise.")
     normal_rad: float = setting(
         0.2, unit="rad", at_least=0,
-        help="By how much the target's plane may be inclined otherwise than `target_normal_C` says: the pose has to be "
-             "within both limits for each such plane (T73).")
+        help="Uncertainty of `target_normal_C`: the pose must be within both limits for every such plane (T73).")
 
 
 class StopRule:

@@ -28,13 +28,13 @@ class VisibilitySettings:
 
     half_width: float = setting(
         above=0,
-        help="Half the width of the view in normalised image coordinates: the tangent of half the field of view.")
+        help="Half the width of the view: tangent of half the field of view.")
     half_height: float = setting(above=0, help="Half the height of the view, likewise.")
     margin: float = setting(
-        0.05, at_least=0, help="Margin kept to the border of the view, in normalised image coordinates.")
-    extent: float = setting(2.0, above=0, help="The object ends this many standard deviations from its centroid.")
+        0.05, at_least=0, help="Margin to the border of the view, in normalised coordinates.")
+    extent: float = setting(2.0, above=0, help="Size of the object: standard deviations from its centroid.")
     rate_per_s: float = setting(
-        3.0, unit="1/s", above=0, help="The object uses up its room to the border at this rate at most (T43).")
+        3.0, unit="1/s", above=0, help="The distance to the border shrinks at this rate at most (T43).")
 
 
 @dataclass(eq=False)
