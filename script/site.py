@@ -85,8 +85,8 @@ def link_faults(files: List[Path], root: Path = ROOT) -> List[str]:
     for page in files:
         text = page.read_text(encoding="utf-8")
         for tag in TAG.finditer(without_code(text)):
-            faults.append(f"{page.relative_to(root)}:{text.count(chr(10), 0, tag.start()) + 1}: found {tag[0]}, allowed "
-                          f"`{tag[0]}` or \\{tag[0]}")
+            line = text.count("\n", 0, tag.start()) + 1
+            faults.append(f"{page.relative_to(root)}:{line}: found {tag[0]}, allowed `{tag[0]}` or \\{tag[0]}")
         for match, path, anchor in links(text):
             target = page if not path else Path(os.path.normpath(page.parent / path))
             where = f"{page.relative_to(root)}:{text.count(chr(10), 0, match.start()) + 1}: found {match[3]}, "
