@@ -1,4 +1,4 @@
-"""What a page may ask of a run, each request described once: checked from here, and listed in docs/live_page.md.
+"""Requests of a page to a run. Each request is described once, validated here, and listed in docs/reference/live_messages.md.
 
 A request is a JSON object with `do`, the name of the request, `id`, a number of the page's own that the answer repeats,
 and the fields of the request's class:
@@ -6,7 +6,7 @@ and the fields of the request's class:
     {"do": "set", "id": 7, "values": {"servo.gains_per_s.xn": 2.0}}
     {"type": "answer", "id": 7, "ok": true, ...}   or   {..., "ok": false, "faults": ["servo.gains_per_s.xn: ..."]}
 
-The other messages go from the run to every page: see docs/live_page.md.
+The other messages go from the run to every page: see docs/reference/live_messages.md.
 """
 
 import json
