@@ -171,8 +171,8 @@ class SetLesson:
 class TryLesson:
     """Run the scene of the lesson with one thing changed, and check the answer against the run."""
 
-    change: str = setting(not_empty=True, help="What is changed, one of the lesson's.")
-    answer: str = setting(not_empty=True, help="What the student foretells, the key of one of the lesson's answers.")
+    change: str = setting(not_empty=True, help="One of the changes of the lesson.")
+    answer: str = setting(not_empty=True, help="Predicted answer, a key of the lesson's answers.")
 
 
 @REQUESTS.register("save", do="save")
