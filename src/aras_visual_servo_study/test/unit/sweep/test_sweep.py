@@ -219,7 +219,7 @@ def test_a_resume_must_ask_for_the_same_sweep(undisturbed, capsys):
     assert main(["sweep", *QUICK, "--starts", "41", *words]) == 2
     assert f"starts: found 41, the sweep was started with {STARTS}" in capsys.readouterr().err
     assert main(["sweep", "experiment_1", "--seed", "4", "--starts", str(STARTS), *words]) == 2
-    assert "have changed since the sweep was begun" in capsys.readouterr().err
+    assert "have changed since the sweep started" in capsys.readouterr().err
 
 
 def test_a_resume_without_options_takes_those_it_was_begun_with(undisturbed, capsys):
