@@ -53,7 +53,7 @@ def _work(arguments: Namespace) -> int:
         if foxglove:
             print(f"foxglove: {foxglove}", flush=True)
         if not is_loopback(arguments.host):
-            print("warning: anyone on the network with this address can control the run; the connection is not encrypted",
+            print("warning: anyone with this address can control the run; the connection is not encrypted",
                   file=sys.stderr)
         if arguments.open:
             webbrowser.open(address)

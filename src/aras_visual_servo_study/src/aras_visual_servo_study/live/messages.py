@@ -1,4 +1,4 @@
-"""Requests of a page to a run. Each request is described once, validated here, and listed in docs/reference/live_messages.md.
+"""Requests of a page to a run: each is described once and validated here. docs/reference/live_messages.md lists them.
 
 A request is a JSON object with `do`, the name of the request, `id`, a number of the page's own that the answer repeats,
 and the fields of the request's class:

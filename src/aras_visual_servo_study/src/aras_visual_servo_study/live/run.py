@@ -123,7 +123,7 @@ class LiveRun(PageRun):
 
     def do_start(self, request: Any) -> None:
         if request.reference == "taught" and self.servo.reference is None:
-            raise ParameterError("start.reference: found taught without a taught goal; press Teach here or Run all first")
+            raise ParameterError("start.reference: found taught, but no goal is taught; press Teach here first")
         self._use_written_law()
         if request.reference == "experiment":
             self.loop.sequence = self._sequence(self.servo, self.scenario)
