@@ -2,7 +2,7 @@
 import { button, el, folding } from "../lib/dom.js";
 
 const make = (page) => {
-  const { model } = page, { card: box, body } = folding("Lessons", false, "predict the result of a change, then check it");
+  const { model } = page, { card: box, body } = folding("Lessons", false, "predict and check");
   const fault = el("p", { role: "alert", class: "fault", hidden: true });
   const ask = (request) => page.ask(request).then(() => { fault.hidden = true; }, (error) => { fault.textContent = error.message; fault.hidden = false; });
   const which = el("select", { id: "lesson", "aria-label": "lesson" });
