@@ -49,7 +49,8 @@ FAULTS: typing.Dict[str, Fault] = {
     "joint": Fault("joint", "anything else that the simulator rejects", "`fixed`"),
     # --- shapes and materials
     "origin": Fault("`<origin>`, `<pose>`", "not three numbers (six in a pose)", "the first three, else zeros"),
-    "shape": Fault("`<visual>`, `<collision>`", "shape missing or unknown, size not above 0, unreadable mesh", LEFT_OUT),
+    "shape": Fault("`<visual>`, `<collision>`", "shape missing or unknown, size not above 0, unreadable mesh",
+                   LEFT_OUT),
     "texture": Fault("mesh, material", "picture missing or unreadable (`.webp`)", "the plain colour"),
     "look": Fault("tag of `<gazebo reference>`", "anything that the simulator rejects", LEFT_OUT),
     "friction": Fault("`<mu1>`, `<mu>`", "above 1000", "1000"),

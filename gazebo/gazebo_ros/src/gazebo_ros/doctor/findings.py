@@ -44,8 +44,7 @@ def shortened(where: str, packages: typing.Optional[rospkg.RosPack]) -> str:
 
 
 def table(findings: typing.Iterable[Finding], packages: typing.Optional[rospkg.RosPack] = None) -> typing.List[str]:
-    """Returns lines: one for each thing that is not there, those of a kind together, each once. Args: packages: as
-    shortened()."""
+    """Returns one line for each missing thing, sorted by kind, without duplicates. Args: packages: as shortened()."""
     rows = {}
     for finding in sorted(findings, key=lambda each: (KINDS.index(each.kind), each.what, each.where)):
         rows.setdefault((finding.kind, finding.what), finding)
@@ -53,7 +52,7 @@ def table(findings: typing.Iterable[Finding], packages: typing.Optional[rospkg.R
              for each in rows.values()]
     if not cells:
         return []
-    cells.insert(0, ("what", "name", "where", "note"))
+    cells.insert(0, ("kind", "name", "where", "note"))
     widths = [max(len(row[k]) for row in cells) for k in range(3)]
     lines = ["  ".join([*(cell.ljust(width) for cell, width in zip(row, widths)), row[3]]).rstrip() for row in cells]
     return [lines[0], "-" * len(lines[0]), *lines[1:]]

@@ -25,7 +25,8 @@ def parsed(arguments: typing.Sequence[str]) -> typing.Tuple[str, bool, typing.Li
     """(world file or "", paused, what is ignored) of a command line."""
     parser = argparse.ArgumentParser(prog="gzserver", description="The simulator under the name of Gazebo's server.")
     parser.add_argument("-u", "--pause", action="store_true", help="time stands still at first")
-    parser.add_argument("world", nargs="?", default="", help="a .world file; what is read of it is in from_gazebo.md")
+    parser.add_argument("world", nargs="?", default="",
+                        help="a .world file; docs/from_gazebo_reference.md lists the elements read")
     for option in FLAGS + WITH_VALUE:
         parser.add_argument(option, action="store_true" if option in FLAGS else "store", help="has no effect")
     known, others = parser.parse_known_args(arguments)

@@ -101,7 +101,7 @@ class Server:
 
     @staticmethod
     def _opened(owner: str, makers: typing.Iterable[functools.partial]) -> typing.List[Outlet]:
-        """What these functions make; what they cannot is left out, with an error."""
+        """Returns the outlets of these functions. Logs an error for each that fails, and leaves it out."""
         made = []
         for make in makers:
             try:
@@ -111,7 +111,7 @@ class Server:
         return made
 
     def _leave_out(self, outlet: Outlet, error: Exception) -> None:
-        """Closes what a plugin publishes: it cannot go on, the world can."""
+        """Closes the topics of a failed plugin. The world continues."""
         owner = next((each for each in (self._of_world, *self._interfaces.values()) if outlet in each), None)
         if owner is None:
             raise error
@@ -135,12 +135,12 @@ class Server:
             self._asked_s = None
 
     def _held(self) -> bool:
-        """Whether time stands still until somebody answers an image."""
+        """Returns whether time stands still until a client answers an image."""
         if self._asked_s is None:
             return False
         if time.monotonic() - self._asked_s < PATIENCE_S:
             return True
-        rospy.logwarn("lockstep: nobody placed model '%s' within %g s after an image: time goes on" %
+        rospy.logwarn("lockstep: found no set_model_state of model '%s' within %g s after an image: time goes on" %
                       (self._lockstep, PATIENCE_S))
         self._asked_s = None
         return False

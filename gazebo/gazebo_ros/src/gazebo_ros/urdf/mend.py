@@ -152,7 +152,7 @@ def _drop_massless(robot: ElementTree.Element, warnings: Warnings) -> None:
         below = tree.below(link)
         if any(masses[each] > 0.0 for each in below):
             continue
-        found = "no mass" + (", nor has what hangs from it (%s)" % ", ".join(below[1:]) if below[1:] else "")
+        found = "no mass" + (", nor have its children (%s)" % ", ".join(below[1:]) if below[1:] else "")
         warnings.append(told("massless", "link '%s' at joint '%s'" % (link, joint.get("name")), found))
         gone.update(below)
     drop_links(robot, gone)

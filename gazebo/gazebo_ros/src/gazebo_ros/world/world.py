@@ -219,7 +219,7 @@ class World:
                 self.core.delete(name)
             if isinstance(error, ArasError):
                 raise
-            raise ModelError("SpawnModel: Failure - model '%s': found something that nobody expected: %s: %s" %
+            raise ModelError("SpawnModel: Failure - model '%s': unexpected error: %s: %s" %
                              (name, type(error).__name__, error)) from error
         self.models[name] = model
         return model

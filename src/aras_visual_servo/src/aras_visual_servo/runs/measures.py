@@ -13,9 +13,9 @@ from .record import RunRecord
 from ..features.target.outline import Outline
 from ..spatial import inverse, rotation_angle
 
-#: Columns of a sweep, and what they are.
+#: Columns of a sweep with their descriptions.
 MEASURES = {
-    "path_mm": "length of the path of what the arm carries, camera or target [mm]",
+    "path_mm": "length of the path of the camera, or eye-to-hand of the target [mm]",
     "detour_mm": "its largest distance from the straight line between start and goal [mm]",
     "farthest_mm": "its largest distance from the goal [mm]",
     "joint_room": "least distance of any joint from a limit, in halves of its range: 1 in the middle, 0 at the limit",

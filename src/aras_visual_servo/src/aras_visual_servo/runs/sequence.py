@@ -228,14 +228,14 @@ class ExperimentSequence:
         return float(np.abs(self.kinematics.way(self._before_q, self._last_q)).max()) / self._dt_s
 
     def _held_joint(self, q):
-        """Which joint has not come to where it was sent, in words; an empty text if all have."""
+        """Returns a text that names the joint farthest from its end position; "" if all arrived."""
         off = np.abs(self.kinematics.way(self._trajectory.position(inf), q))
         joint = int(off.argmax())
         if off[joint] <= self.config.arrived_within:
             return ""
         name, end = self.kinematics.joint_names[joint], self._trajectory.position(inf)[joint]
         return f"joint '{name}' was sent to {end:.4g} and rests at {q[joint]:.4g}, allowed within " \
-               f"{self.config.arrived_within:g}: something holds it"
+               f"{self.config.arrived_within:g}: check for an obstacle or too little effort"
 
     def _teach(self, observation, q):
         stamp_ns = observation.stamp_ns

@@ -137,8 +137,8 @@ def _eye_to_hand_faults(value) -> Iterator[Fault]:
             yield Fault(("servo", law, "walls"), f"found walls, {without}: walls are for a camera that moves", True)
     for name in _features(value):
         if source_of(name) == "photometric":
-            yield Fault(("servo", "features"), f"found {name}, {without}: what stands behind the target does not move "
-                        "with it", True)
+            yield Fault(("servo", "features"), f"found {name}, {without}: the background does not move with the "
+                        "target", True)
 
 
 def longest_latencies(document: Mapping[str, Any]) -> List[float]:

@@ -198,7 +198,7 @@ class ExperimentNode:
                 last_time, moved_s = stamp, now_s
             elif now_s - moved_s > self._stall_timeout_s:
                 raise RunError(f"simulated time stands still at {stamp.to_sec():.3f} s, held by "
-                               f"{self._status.held_by or 'nobody'}")
+                               f"{self._status.held_by or 'no node'}")
         if lockstep:
             self._wait("the answer to the last image", lambda: [] if self._answered() else ["a later time"], 10.0)
             self._let_it_end()

@@ -36,4 +36,6 @@ class PixelCamera:
             return np.full(uv.shape, np.nan), self._fault
         xy = undistort(self._info, uv)
         outside = ~np.isfinite(xy).all(axis=1)
-        return xy, f"pixels: found {uv[outside].tolist()}, allowed what the lens shows" if outside.any() else ""
+        if not outside.any():
+            return xy, ""
+        return xy, f"pixels: found {uv[outside].tolist()}, allowed pixels that the lens model maps to a ray"

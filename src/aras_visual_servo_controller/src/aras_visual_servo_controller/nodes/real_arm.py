@@ -35,8 +35,8 @@ class RealControllerNode(ControllerNode):
         parameters.check()
         settings = self._settings = RealSettings.from_dict(section, self._kinematics.joint_names)
         if self._float_publishers:
-            raise ParameterError("command_interface: found float64, allowed with a real arm: joint_command (what the "
-                                 "arm takes says real.command)")
+            raise ParameterError("command_interface: found float64, allowed with a real arm: joint_command; set the "
+                                 "message type by real.command")
         if settings.predict and self._servo.source.name != "moments":
             raise ParameterError(f"real.predict: found true with features of {self._servo.source.name}, allowed with "
                                  "features of moments and points")

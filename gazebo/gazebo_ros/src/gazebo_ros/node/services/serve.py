@@ -43,9 +43,9 @@ class Services:
             except (ArasError, OSError) as error:
                 rospy.logerr("%s: %s" % (name, error))
                 made = response(False, str(error), {})
-            except Exception as error:  # who asks learns it, and the world goes on
+            except Exception as error:  # the caller gets the error, and the world goes on
                 rospy.logerr("%s: %s" % (name, traceback.format_exc()))
-                made = response(False, "%s: found something that nobody expected: %s: %s" %
+                made = response(False, "%s: unexpected error: %s: %s" %
                                 (name, type(error).__name__, error), {})
             if hasattr(made, "stamp"):
                 made.stamp = stamp(self.world.time_ns)
