@@ -1,12 +1,12 @@
-"""What the doctor finds, and the table of it."""
+"""Findings of the doctor, and their table."""
 import dataclasses
 import typing
 
 import rospkg
 
-#: What is asked for, in the order of the table.
+#: Kinds of findings, in the order of the table.
 KINDS = ("package", "file", "program", "nodelet", "syntax", "python 2", "module", "xacro", "plugin", "model", "mesh")
-#: Beginnings of the names of packages and modules, and what they belong to.
+#: Prefixes of package and module names -> project.
 KNOWN = (("moveit", "MoveIt, which Debian 12 does not have: launch files and nodes that plan with it do not run"),
          ("ompl", "OMPL's planners, part of MoveIt"), ("rosbridge", "rosbridge_suite: not in Debian 12"),
          ("rqt", "a window of rqt, which Debian 12 does not have"), ("mav_msgs", "mav_comm: build it in the workspace"),
@@ -26,7 +26,7 @@ class Finding:
 
 
 def advice_for(name: str) -> str:
-    """Returns what a package or module belongs to, "" where nothing is known."""
+    """Returns the project of a package or module, "" if it is unknown."""
     if name.endswith("_moveit_config"):
         return KNOWN[0][1]
     return next((advice for start, advice in KNOWN if name == start or name.startswith(start)), "")

@@ -16,7 +16,7 @@ LARGEST_SCALE = 1e6
 HEAVIEST, STIFFEST = 1e9, 1e12  #: [kg], [kg m^2]
 LARGEST_DAMPING = 1e9
 LARGEST_FACTOR = 1e6      #: of a mimic
-WRITTEN_DIGITS = 1e-3     #: a part of the largest moment of inertia: what the digits of a file round
+WRITTEN_DIGITS = 1e-3     #: a part of the largest moment of inertia: rounding of the digits of a file
 TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating")
 BOUNDED = ("revolute", "prismatic")
 SIZES = {"box": (("size", 3),), "cylinder": (("radius", 1), ("length", 1)), "sphere": (("radius", 1),), "mesh": ()}
@@ -41,7 +41,7 @@ def number_in(element: ElementTree.Element, key: str, most: float = math.inf) ->
 
 
 def mend(robot: ElementTree.Element, warnings: Warnings) -> None:
-    """Mends what stands in the links and joints of a URDF whose tree was checked.
+    """Repairs the links and joints of a URDF whose tree was checked.
 
     Args: robot: root element, changed.  warnings: gets a line for each fault.
     """

@@ -85,7 +85,7 @@ def nearest(kinematics: RobotKinematics, X_BC: np.ndarray, q: np.ndarray, lower:
 
 
 def _at(kinematics, X_BC, q, rows):
-    """((6,) what is missing at q, its scaled rows, the scaled square, the scaled Jacobian)."""
+    """Returns ((6,) pose error at q, its scaled rows, the scaled square, the scaled Jacobian)."""
     X = kinematics.pose(q)
     R_T = X[:3, :3].T
     missing = np.concatenate([R_T @ (X_BC[:3, 3] - X[:3, 3]), rotation_vector(R_T @ X_BC[:3, :3])])

@@ -1,4 +1,4 @@
-"""What a URDF lacks for visual servoing, all at once. No ROS."""
+"""Checks a URDF for visual servoing and lists all faults at once. No ROS."""
 
 from math import isfinite
 from pathlib import Path

@@ -51,12 +51,12 @@ class MpcSettings(ConstraintSettings):
 
 
 class Ahead(NamedTuple):
-    """What is predicted of one look.
+    """Prediction from one look.
 
     Attributes:
         P: (3, k) points, or points of the contour, in the camera frame now [m].
         now, rooms: `Rooms` now, as `qp` has them, and of P.
-        least: (N, m) of `rooms` at each step: 0, or what is left of one that is violated now.
+        least: (N, m) of `rooms` at each step: 0, or the remainder of one that is violated now.
         names: of the rooms, each once.  which: place in them of each row of a room: of those of now, then (N, m).
     """
 

@@ -60,7 +60,7 @@ def distance_from_segment(points: np.ndarray, a: np.ndarray, b: np.ndarray) -> n
 
 @dataclass
 class Track:
-    """What a figure shows of a run's servo phase, (n,) each.
+    """Curves of a run's servo phase for a figure, (n,) each.
 
     Attributes:
         t_s: time since its first image.  distance_mm, angle_deg: of the camera from the goal, as a

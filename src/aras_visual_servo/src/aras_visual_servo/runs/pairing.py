@@ -59,7 +59,7 @@ class StampPairer:
         return self._complete()
 
     def add_joints(self, stamp_ns: int, joints: Any) -> Sequence[Tuple[int, Any, Any]]:
-        """Takes one joint state. Returns what add_features does."""
+        """Takes one joint state. Returns the same as add_features."""
         if stamp_ns < self._newest_joints_ns:
             if self._ahead == "features":
                 self._joints.clear()  # of the time before

@@ -1,4 +1,4 @@
-"""The check of a scenario: the schema, each section's own checks, and what fits across sections. Lists every fault."""
+"""The check of a scenario: the schema, each section's own checks, and checks across sections. Lists every fault."""
 
 import pathlib
 from collections.abc import Iterator, Mapping
@@ -84,7 +84,7 @@ def _joint_names(value, base) -> Tuple[str, ...]:
 
 
 def _dynamics_faults(dynamics: DynamicsSettings, value, base) -> Iterator[Fault]:
-    """What robot.dynamics names is in the URDF and in the controllers' file; other faults of these are reported when
+    """Checks the names of robot.dynamics against URDF and controllers; other faults of these are reported when
     the robot is made."""
     texts: List[str] = []
     try:

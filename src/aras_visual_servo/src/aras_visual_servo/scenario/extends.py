@@ -1,4 +1,4 @@
-"""Scenarios that say only in what they differ from another one, and the lines of files that say it.
+"""Scenarios that extend others, and the file and line of each value.
 
 `extends: experiment_1` names a scenario of this package, `extends: PATH.yaml` a file, relative to the one that says so.
 In a list, `extends: [ur5e, six_dof_points]`, what an entry says goes before what those after it say, as with the
@@ -63,7 +63,7 @@ def load_resolved(path: Path, robot: Optional[str] = None) -> Tuple[Dict[str, An
         (document, files): nested dict without `extends`, `task` and names of arms, with marks as of `merge`; the files
             that it is made of, the first extended one first.
     Raises:
-        ParameterError: a file cannot be read, nobody knows the name, or the way leads in a circle.
+        ParameterError: a file cannot be read, a name is unknown, or scenarios extend each other in a cycle.
     """
     path = Path(path)
     document, files = _load(path, ())
@@ -185,7 +185,7 @@ def cleared(node: Any) -> Any:
 
 
 def merge(base: Mapping[str, Any], changes: Mapping[str, Any]) -> Dict[str, Any]:
-    """Returns what `base` becomes by `changes`, a new document. Neither is changed.
+    """Returns a new document: `base` with `changes` applied. Changes neither argument.
 
     Sections are merged key by key; `null` takes a key away; any other value, a list too, replaces the old one.
     Two rules more: in lists whose entries all have a `name` (cameras, models) the entries are merged by name, and new

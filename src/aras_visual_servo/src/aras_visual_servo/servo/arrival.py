@@ -83,7 +83,7 @@ class Arrival(Stage):
         return tick.rest(Status.CONVERGED, f"features, tilt and pose within their thresholds{displaced}")
 
     def _unknown(self, X_BC: np.ndarray) -> str:
-        """Returns what is not known of the pose and will not be, in words; an empty text if there is nothing."""
+        """Returns a text about the part of the pose that no image determines; "" if there is none."""
         if self._unseen:
             return f"{', '.join(self._unseen)} not seen"
         if not self._config.follows and self._goal.turned_alike(X_BC):

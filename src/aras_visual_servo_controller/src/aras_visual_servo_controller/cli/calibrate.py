@@ -1,4 +1,4 @@
-"""The verb `calibrate NAME`: what a real arm needs, from images of a board."""
+"""The verb `calibrate NAME`: calibrations of a real arm from images of a board."""
 
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
@@ -63,7 +63,7 @@ def _calibrate(arguments: Namespace) -> int:
 
 
 def verdict(found: Calibrated, check: ResidualCheck) -> str:
-    """Returns what the residual says, in one sentence."""
+    """Returns the interpretation of the residual, in one sentence."""
     if check.fits is None:
         return "the board has too few points to tell the noise of the images"
     times = f"the residual is {check.times:.2f} times the one expected from the noise of the points"

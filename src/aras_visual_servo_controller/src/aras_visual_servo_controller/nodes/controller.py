@@ -156,7 +156,7 @@ class ControllerNode:
 
     def _restart_time(self):
         """Start anew, since time went back. A goal that has seen no image yet belongs to the new time and goes on."""
-        rospy.loginfo("time went back: starting anew")  # somebody asked for it
+        rospy.loginfo("time went back: starting anew")  # after a reset of the simulator
         self._integrator.reset()
         if not self._session.unseen:
             self._stop("time went back")
@@ -164,7 +164,7 @@ class ControllerNode:
         self._server.look_at_time()
 
     def _answer(self, stamp_ns, features, joints):
-        """Answer one image: send the command first, then the record of what was seen and done. Never raises."""
+        """Answers one image: sends the command first, then the record of the look. Never raises."""
         self._frame_id = features.header.frame_id
         session = self._session
         try:

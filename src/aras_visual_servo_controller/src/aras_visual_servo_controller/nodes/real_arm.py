@@ -61,7 +61,7 @@ class RealControllerNode(ControllerNode):
         rospy.Subscriber("deadman", Bool, self._on_deadman, tcp_nodelay=True)
         threading.Thread(target=self._command_loop, name="commands", daemon=True).start()
 
-    # --- what comes from the arm --------------------------------------------------------------------------------
+    # --- inputs from the arm --------------------------------------------------------------------------------
 
     def _on_joints(self, message):
         with self._lock:
@@ -110,7 +110,7 @@ class RealControllerNode(ControllerNode):
         self._timing_publisher.publish(message)
         rospy.loginfo_throttle(SHOW_LATENCY_S, "%s; %s", image.text("images"), joints.text("joint states"))
 
-    # --- what goes to the arm -----------------------------------------------------------------------------------
+    # --- commands to the arm -----------------------------------------------------------------------------------
 
     def _send(self, command):
         self._link.take(command, convert.now_ns())
