@@ -52,7 +52,7 @@ def main(argv: Optional[List[str]] = None) -> int:
         description="Visual servoing: run, watch, sweep and compare scenarios.",
         epilog="verbs:\n" + "\n".join(f"  {verb:<16}{what}" for verb, (_, _, what) in VERBS.items())
                + f"\n\n`{PROGRAM} VERB --help` explains a verb and ends with examples.")
-    parser.add_argument("verb", choices=list(VERBS), metavar="VERB ...", help="a verb of the list below")
+    parser.add_argument("verb", choices=list(VERBS), metavar="VERB ...", help="what to do")
     complete.offer(parser)
     parser.parse_args(words)
     return 0
