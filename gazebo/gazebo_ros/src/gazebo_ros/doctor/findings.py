@@ -17,8 +17,8 @@ KNOWN = (("moveit", "MoveIt, which Debian 12 does not have: launch files and nod
 
 @dataclasses.dataclass(frozen=True)
 class Finding:
-    """Something that is not there. Attributes: kind: of KINDS.  what: its name.  where: FILE:LINE.  advice: what it
-    belongs to, or what to do."""
+    """A missing dependency. Attributes: kind: of KINDS.  what: its name.  where: FILE:LINE.  advice: its project, or
+    the remedy."""
     kind: str
     what: str
     where: str = ""

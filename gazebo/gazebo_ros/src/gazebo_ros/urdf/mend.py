@@ -290,7 +290,7 @@ def _free(joint: ElementTree.Element, limit: ElementTree.Element) -> None:
 
 
 def _safety_fault(safety: ElementTree.Element) -> str:
-    """Returns what the simulator refuses of it, "" for nothing."""
+    """Returns the reason why the simulator rejects it, "" if it accepts it."""
     values = {}
     for key in ("k_velocity", "k_position", "soft_lower_limit", "soft_upper_limit"):
         value = number_in(safety, key) if safety.get(key) is not None else None if key == "k_velocity" else 0.0
@@ -332,7 +332,7 @@ def _mend_mimics(robot: ElementTree.Element, warnings: Warnings) -> None:
 
 def _mimic_fault(joint: ElementTree.Element, mimic: ElementTree.Element,
                  joints: typing.Dict[str, ElementTree.Element]) -> str:
-    """Returns what the simulator refuses of it, "" for nothing."""
+    """Returns the reason why the simulator rejects it, "" if it accepts it."""
     name = mimic.get("joint")
     if name is None or name not in joints:
         return "the joint '%s', which is not there" % (name or "")

@@ -1,7 +1,7 @@
-"""A URDF without the parts that the simulator refuses: it is asked part by part, in documents of one link or joint.
+"""Removes the parts of a URDF that the simulator rejects. It checks documents of one link or joint each.
 
-That is for what only the simulator knows, such as a mesh that cannot be read. It costs nothing where nothing is
-refused, because nobody asks then.
+This finds faults that only the simulator detects, such as an unreadable mesh. A URDF that the simulator accepts as a
+whole needs no such checks.
 """
 import copy
 import typing

@@ -161,8 +161,7 @@ def is_true(words: str) -> bool:
 
 def numbers_of(entries: typing.Iterable[typing.Tuple[typing.Optional[str], str]], links: typing.Set[str], fault: str,
                warnings: typing.List[str]) -> typing.Dict[str, float]:
-    """dict of link -> the first number >= 0 that is said of it. Args: fault: key of what else is said, for a warning.
-    """
+    """Returns dict of link -> its first number >= 0. Args: fault: key of FAULTS for the warning about other values."""
     found = {}
     for link, words in entries:
         try:

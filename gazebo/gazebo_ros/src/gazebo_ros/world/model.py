@@ -110,7 +110,7 @@ class Model:
             config.pop("contacts", None)
 
     def _lift(self) -> None:
-        """Lets what holds the links up that gravity does not act on act from now on."""
+        """Applies the forces that cancel the weight of links without gravity, from now on."""
         self._lifts = {link: (*(-self.properties_of(link).mass_kg * self._gravity), 0.0, 0.0, 0.0)
                        for link in self.links if link in self.description.lifted}
         if self._lifts:

@@ -1,6 +1,7 @@
-"""Settings of the arm's motion: sections `inverse`, `null_space` and `limits` of the section `servo`; and where a
-calibration found the camera on the arm, and in what this robot differs from its model: sections `robot.hand_eye` and
-`robot.dynamics`."""
+"""Settings of the arm's motion: sections `inverse`, `null_space` and `limits` of the section `servo`.
+
+Also the calibrated pose of the camera on the arm and the differences of this robot from its model: sections
+`robot.hand_eye` and `robot.dynamics`."""
 
 from dataclasses import dataclass
 from math import inf

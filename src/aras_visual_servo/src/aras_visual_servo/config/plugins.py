@@ -45,7 +45,7 @@ def load_plugins(plugins: Iterable[str]) -> List[str]:
     for plugin in plugins:
         try:
             _load(plugin)
-        except Exception as error:  # somebody else's code may raise anything; it is reported as a fault of that plugin
+        except Exception as error:  # a plugin may raise anything; report it as its fault
             faults.append(f"plugins: found {plugin}, allowed a module that can be imported: {described(error)}")
     return faults
 

@@ -167,7 +167,7 @@ class OutOfReach:
         """((2,), (2,), (2,)): translation and rotation per second of the camera, as asked, and of the commanded way.
 
         The first two are of the mean place in the second half of the window against that in the first half, so that
-        what goes to and fro does not count.
+        an oscillation does not count.
         """
         stamps, place, asked, way, _ = zip(*self._images)
         half, period_s = len(stamps) // 2, 0.5e-9 * (stamps[-1] - stamps[0])

@@ -151,7 +151,7 @@ class ServoSettings(LawSetup):
         unknown = [name for name in features if not is_known(name)]
         faults += [Fault((*PATH, "features", i), f"found {name}, allowed {one_of(known_features(), name)}")
                    for i, name in enumerate(source["features"]) if name in unknown] if unknown else []
-        if unknown:  # what stands by the names of features is checked for those that are known
+        if unknown:  # check the values of known features only
             features = tuple(name for name in features if name not in unknown)
             source = {**source, **{table: {name: value for name, value in source[table].items()
                                            if name in features or not (is_known(str(name)) or name in unknown)}

@@ -7,9 +7,9 @@ and `rotation_rad`; and a camera that moves by less than half of these. The disp
 laws that work on the pose give it themselves. Images of the last AVERAGED_S seconds are averaged, and the standard
 error counts as distance, so that noise cannot pass for arrival (T61).
 
-What no number of images tells counts too: where the sides of the object are within the steps of the grey levels, how
-the target's plane lies, and motions that the features do not see (T73). Where all but that is within its threshold, the
-servo has settled: SETTLED, with what is not known.
+Quantities that no number of images determines count too: the sides of the object within the steps of the grey levels,
+the tilt of the target's plane, and motions that the features do not see (T73). If all others are within their
+thresholds, the servo ends as SETTLED and names the undetermined quantities.
 
 The published rule, |e| < thresholds and nothing else, is there by name. It ends a run with a status of its own.
 """

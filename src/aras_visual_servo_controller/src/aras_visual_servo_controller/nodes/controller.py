@@ -1,5 +1,5 @@
-"""Node `controller`: answers every image with one command. This file holds ROS wiring only; what the answer is, is
-decided by `run/session.py` and the core.
+"""Node `controller`: answers every image with one command. This file holds ROS wiring only. The session and the
+core of aras_visual_servo decide the answer.
 
 Threads: rospy calls back from one thread per connection, and one worker thread of this node runs goals, preempts and
 the watchdog. All of them take `_lock` first and the action server's lock second. The callbacks of the action server

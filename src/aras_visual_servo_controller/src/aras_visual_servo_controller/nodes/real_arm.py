@@ -1,8 +1,8 @@
 """Node `controller` of a real arm (scripts/nodes/real_controller), which is no simulator in lockstep: any joint states,
 images and command topics.
 
-What the arm does is decided by `arm/real/arm_link.py`; this file is ROS wiring. One more thread than those of
-`ControllerNode` sends the commands, every `real.command_period_s` of ROS time, and looks whether the arm must rest.
+`real/arm_link.py` decides the motion of the arm. This file is ROS wiring. A thread in addition to those of
+`ControllerNode` sends the commands every `real.command_period_s` of ROS time, and checks whether the arm must rest.
 """
 
 import threading

@@ -1,5 +1,5 @@
-"""The services /gazebo/... of the world, its models and lights: what makes sense here is done as Gazebo does it, the
-rest is refused with a reason."""
+"""The services /gazebo/... of the world, its models and lights: requests with a counterpart here act as in
+Gazebo, the others are rejected with a reason."""
 import typing
 
 import gazebo_msgs.srv as srv
