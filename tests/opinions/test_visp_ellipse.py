@@ -36,7 +36,7 @@ def test_circle(compared):
                       "ellipse_star": s_star, "plane": views[1].plane, "plane_star": views[0].plane})
     offs = [np.abs(twist - theirs["twist"]).max() / np.linalg.norm(theirs["twist"])
             for twist, theirs in zip(ours, visp_servo(asked))]
-    compared("law ibvs on a circle, all matrices", "ViSP vpFeatureEllipse", offs, SAME)
+    compared("`ibvs`, circle", "ViSP vpFeatureEllipse", offs, SAME)
 
 
 def test_sphere(compared):
@@ -58,4 +58,4 @@ def test_sphere(compared):
                              for sign in (1.0, -1.0))
             slopes[:, k] = np.subtract(ahead, behind) / (2.0 * step)
         offs.append(np.abs(slopes @ theirs["matrix"] - L).max() / np.abs(L).max())
-    compared("rows of a sphere", "ViSP vpFeatureEllipse", offs, SLOPE)
+    compared("interaction rows, sphere", "ViSP vpFeatureEllipse", offs, SLOPE)

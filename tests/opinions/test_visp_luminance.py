@@ -57,7 +57,7 @@ def test_law_is_vp_servo_on_the_same_normal_equations(compared):
                                H=(L.T @ L)[np.triu_indices(6)].tolist(), condition=5.0, symmetric=False)
         twist = law.step(look_at(seen)).twist
         differences.append(np.abs(twist - theirs["twist"]).max() / np.linalg.norm(theirs["twist"]))
-    compared("law photometric without damping", "ViSP vpServo, vpFeatureLuminance", differences, SAME)
+    compared("`photometric` without damping", "ViSP vpServo, vpFeatureLuminance", differences, SAME)
 
 
 def polynomials(seed):
@@ -105,5 +105,5 @@ def test_normal_equations_are_those_of_vp_feature_luminance(compared):
         size = np.sqrt(np.diag(L.T @ L))
         H_off.append((np.abs(symmetric(found.H) - L.T @ L) / np.outer(size, size)).max())
         b_off.append((np.abs(np.array(found.b) - L.T @ e) / (size * np.linalg.norm(e))).max())
-    compared("H of the photometric features, grey levels of second order", "ViSP vpFeatureLuminance", H_off, SINGLE)
-    compared("b of the photometric features, grey levels of second order", "ViSP vpFeatureLuminance", b_off, SINGLE)
+    compared("photometric H, quadratic image", "ViSP vpFeatureLuminance", H_off, SINGLE)
+    compared("photometric b, quadratic image", "ViSP vpFeatureLuminance", b_off, SINGLE)

@@ -126,7 +126,7 @@ def test_points(compared):
             points[:, 2] = points_star[:, 2]
         ours.append(scene.ours("ibvs", (f"points{len(points)}",), interaction=scene.interaction, point_depth=depth))
         asked.append(scene.asked("points", points=points.ravel(), points_star=points_star.ravel()))
-    compared("law ibvs on points, all matrices and depths", "ViSP vpServo", offs(ours, asked), SAME)
+    compared("`ibvs`, points", "ViSP vpServo", offs(ours, asked), SAME)
 
 
 def test_adaptive_gain(compared):
@@ -158,7 +158,7 @@ def test_pose(compared):
         scene.interaction = "current"
         ours.append(scene.ours("pbvs", POSE, scene.guess(), looks=2, pose_from="points"))
         asked.append(scene.asked("pbvs", X_CgC=scene.X_CgC[:3].ravel()))
-    compared("law pbvs, pose from points", "ViSP vpServo, vpFeatureTranslation, vpFeatureThetaU",
+    compared("`pbvs`, points", "ViSP vpServo, vpFeatureTranslation, vpFeatureThetaU",
              offs(ours, asked), SAME)
 
 
@@ -185,7 +185,7 @@ def test_hybrid(compared):
         points = {name: [X / Z, Y / Z, Z] for name, (X, Y, Z) in (("point", P), ("point_star", P_star))}
         ours.append(scene.ours("hybrid", HYBRID, scene.guess(), looks=2, pose_from="points"))
         asked.append(scene.asked("hybrid", X_CgC=scene.X_CgC[:3].ravel(), **points))
-    compared("law hybrid, pose from points", "ViSP vpServo, vpFeaturePoint, vpFeatureDepth, vpFeatureThetaU",
+    compared("`hybrid`, points", "ViSP vpServo, vpFeaturePoint, vpFeatureDepth, vpFeatureThetaU",
              offs(ours, asked), SAME)
 
 
@@ -209,8 +209,8 @@ def test_four_moments(compared):
         asked.append(of_moments(scene, tilt=False))
         if scene.interaction == "current":
             published += [(scene.ours(law, FOUR)[0], ours[-1][0]) for law in ("decoupled", "paper")]
-    compared("law ibvs on xn, yn, an, alpha, parallel", "ViSP vpServo, vpFeatureMoment*", offs(ours, asked), SAME)
-    compared("laws decoupled and paper, equal gains", "law ibvs, itself held to ViSP", [off(*one) for one in published],
+    compared("`ibvs`, four moments, parallel", "ViSP vpServo, vpFeatureMoment*", offs(ours, asked), SAME)
+    compared("`decoupled`, `paper`, equal gains", "`ibvs`", [off(*one) for one in published],
              SAME)
 
 
@@ -221,7 +221,7 @@ def test_six_moments_with_the_matrix_at_a_parallel_goal(compared):
         scene.interaction = "desired"
         ours.append(scene.ours("ibvs", SIX, interaction="desired"))
         asked.append(of_moments(scene, tilt=True))
-    compared("law ibvs on xn, yn, an, sx, sy, alpha, matrix of a parallel goal", "ViSP vpServo, vpFeatureMoment*",
+    compared("`ibvs`, six moments, parallel goal", "ViSP vpServo, vpFeatureMoment*",
              offs(ours, asked), SAME)
 
 
@@ -244,8 +244,8 @@ def test_six_moments_with_the_matrix_of_a_tilted_view(compared):
         shares.append(missing[0, 0] / (scene.plane[0] * view.features.xn))
         missing[0, 0] = 0.0
         rows.append((np.abs(missing).max(axis=1) / np.abs(L).max(axis=1)).max())
-    compared("matrix of xn, yn, an, sx, sy, alpha, tilted, but for the entry of xn and vx", "ViSP vpFeatureMoment*",
+    compared("matrix, six moments, tilted, without xn/vx", "ViSP vpFeatureMoment*",
              rows, SAME)
     assert np.abs(shares) == pytest.approx(0.5, rel=1e-6), shares
-    compared("law ibvs on xn, yn, an, sx, sy, alpha, matrix of a tilted view, that entry mended",
+    compared("`ibvs`, six moments, tilted, xn/vx corrected",
              "ViSP vpServo, vpFeatureMoment*", offs(ours, mended), SAME)

@@ -8,8 +8,8 @@ import numpy as np
 
 WORKSPACE = pathlib.Path(__file__).resolve().parents[2]
 ROBOTS = {
-    "tilted chain": "src/aras_visual_servo_sim/test/urdf/tilted_chain.urdf",
-    "gantry and five joints": "src/aras_description/urdf/aras_arm.urdf",
+    "chain": "src/aras_visual_servo_sim/test/urdf/tilted_chain.urdf",
+    "gantry": "src/aras_description/urdf/aras_arm.urdf",
     "six axes": "src/aras_description/urdf/aras_arm_6axis.urdf",
 }
 #: The named arms: name -> URDF.

@@ -88,11 +88,11 @@ def test_box_slides_and_turns_until_it_stops(compared):
             turns.append(abs(turned(X) - turned(X_mujoco)))
         assert np.linalg.norm(V) < 1e-3, "still moves"
         forces.append(np.linalg.norm(force - [0.0, 0.0, MASS_KG * G]) / (MASS_KG * G))
-    compared("way of a turning box thrown along the floor", "MuJoCo", ways, TURNING, "of the way")
-    compared("turn of that box", "MuJoCo", turns, TURNING, "rad")
-    compared("way of that box, without turning", "MuJoCo", straight, MUJOCO_STRAIGHT, "of the way")
-    compared("way of that box, without turning", "v^2 / (2 mu g)", closed, WAY, "of the way")
-    compared("force on that box at rest", "m g", forces, FORCE, "of m g")
+    compared("sliding distance, turning box", "MuJoCo", ways, TURNING, "relative")
+    compared("rotation, turning box", "MuJoCo", turns, TURNING, "rad")
+    compared("sliding distance, straight box", "MuJoCo", straight, MUJOCO_STRAIGHT, "relative")
+    compared("sliding distance, straight box", "v^2 / (2 mu g)", closed, WAY, "relative")
+    compared("normal force, resting box", "m g", forces, FORCE, "relative")
 
 
 def test_ball_slides_until_it_rolls(compared):
@@ -106,9 +106,9 @@ def test_ball_slides_until_it_rolls(compared):
         ways.append(np.linalg.norm(X[:2, 3] - X_mujoco[:2, 3]) / np.linalg.norm(X_mujoco[:2, 3]))
         speeds.append(np.linalg.norm(V[:2] - V_mujoco[:2]) / np.linalg.norm(twist[:2]))
         closed.append(np.linalg.norm(V[:2] - rolls) / np.linalg.norm(twist[:2]))
-    compared("way of a ball thrown along the floor", "MuJoCo", ways, WAY, "of the way")
-    compared("speed of that ball once it rolls", "MuJoCo", speeds, WAY, "of the first speed")
-    compared("speed of that ball once it rolls", "(5 v + 2 r w x z) / 7", closed, WAY, "of the first speed")
+    compared("distance, thrown ball", "MuJoCo", ways, WAY, "relative")
+    compared("speed, rolling ball", "MuJoCo", speeds, WAY, "relative")
+    compared("speed, rolling ball", "(5 v + 2 r w x z) / 7", closed, WAY, "relative")
 
 
 @pytest.mark.parametrize("shape", sorted(SHAPES))
@@ -118,4 +118,4 @@ def test_without_friction_nothing_slows_it_down(shape, compared):
         _, twist = throw(rng, shape)
         _, V, _ = of_ours(shape, 0.0, twist)
         differences.append(np.linalg.norm(V[:2] - twist[:2]) / np.linalg.norm(twist[:2]))
-    compared(f"speed of a {shape} on ice", "its first speed", differences, 1e-9, "of the first speed")
+    compared(f"speed, {shape} without friction", "initial speed", differences, 1e-9, "relative")

@@ -57,9 +57,9 @@ def test_acceleration_and_bias(name, compared):
         one.set_mujoco(q, v, effort)
         mujoco.mj_forward(one.mj, one.mj_data)
         of_mujoco.append(off(a, one.from_mujoco(one.mj_data.qacc)))
-    compared(f"accelerations under random efforts, {name}", "Pinocchio", accelerations, DIFFERENCE)
-    compared(f"bias, {name}", "Pinocchio", biases, DIFFERENCE)
-    compared(f"accelerations under random efforts, {name}", "MuJoCo", of_mujoco, DIFFERENCE)
+    compared(f"forward dynamics, {name}", "Pinocchio", accelerations, DIFFERENCE)
+    compared(f"bias forces, {name}", "Pinocchio", biases, DIFFERENCE)
+    compared(f"forward dynamics, {name}", "MuJoCo", of_mujoco, DIFFERENCE)
 
 
 @robots
@@ -74,11 +74,11 @@ def test_pose_and_twist_of_every_link(name, compared):
             poses.append(off(ours_of_link["pose"], one.data.oMf[frame].homogeneous[:3].ravel()))
             V = pinocchio.getFrameVelocity(one.pin, one.data, frame, pinocchio.ReferenceFrame.LOCAL)
             twists.append(np.abs(ours_of_link["twist"] - V.vector).max() / np.linalg.norm(v))
-    compared(f"poses of links, {name}", "Pinocchio", poses, SAME)
-    compared(f"twists of links, {name}", "Pinocchio", twists, SAME)
+    compared(f"link poses, {name}", "Pinocchio", poses, SAME)
+    compared(f"link twists, {name}", "Pinocchio", twists, SAME)
 
 
-@pytest.mark.parametrize("name", ["gantry and five joints", "six axes"])
+@pytest.mark.parametrize("name", ["gantry", "six axes"])
 def test_jacobian_of_the_camera(name, compared):
     """The controller's kinematics, which are KDL's, and not the simulator's."""
     one, poses, jacobians, tip = robot(name), [], [], "camera_optical_frame"
@@ -91,8 +91,8 @@ def test_jacobian_of_the_camera(name, compared):
         jacobians.append(off(J, one.from_pin(expected)))
         pinocchio.updateFramePlacements(one.pin, one.data)
         poses.append(off(pose, one.data.oMf[one.pin.getFrameId(tip)].homogeneous))
-    compared(f"pose of the camera by the controller, {name}", "Pinocchio", poses, SAME)
-    compared(f"Jacobian of the camera by the controller, {name}", "Pinocchio", jacobians, SAME)
+    compared(f"camera pose, {name}", "Pinocchio", poses, SAME)
+    compared(f"camera Jacobian, {name}", "Pinocchio", jacobians, SAME)
 
 
 def test_named_arms(compared):
@@ -108,7 +108,7 @@ def test_named_arms(compared):
                                                       pinocchio.ReferenceFrame.LOCAL)
             jacobians.append(off(J, one.from_pin(expected)))
     compared("mass matrix, named arms", "Pinocchio", masses, SAME)
-    compared("Jacobian of the camera by the controller, named arms", "Pinocchio", jacobians, 1e-12)
+    compared("camera Jacobian, named arms", "Pinocchio", jacobians, 1e-12)
 
 
 SWINGS = 20
@@ -159,7 +159,7 @@ def test_swing_step_by_step(name, compared):
         one.set_mujoco(q, v)
         mujoco.mj_step(one.mj, one.mj_data, nstep=STEPS)
         differences.append(np.abs(found - one.from_mujoco(one.mj_data.qpos)).max())
-    compared(f"free swing of 0.3 s, {name}", "MuJoCo, the same scheme", differences, SAME_RAD, "rad or m")
+    compared(f"free swing, {name}", "MuJoCo, same scheme", differences, SAME_RAD, "rad or m")
 
 
 @robots
@@ -170,5 +170,5 @@ def test_swing_converges_to_the_true_motion(name, compared):
     for (q, v, _), whole, half in zip(states, coarse, fine):
         true = true_motion(one, q, v)
         differences.append(np.abs((half - true) - 0.5 * (whole - true)).max() / np.abs(whole - true).max())
-    compared(f"free swing of 0.3 s, half the period and half the error, {name}", "Pinocchio, Runge-Kutta", differences,
+    compared(f"first-order convergence, {name}", "Pinocchio, Runge-Kutta", differences,
              HALF, "of the error")

@@ -67,8 +67,8 @@ def found(tmp_path_factory):
     ("PRNU", "PRNU1288", 100.0 * GIVEN["prnu"], 0.02),
 ])
 def test_emva_finds_what_the_sensor_was_given(found, compared, name, symbol, given, share):
-    compared(f"a sensor's {name}", "emva1288 1.0.2", [abs(getattr(found, symbol) / given - 1.0)], share)
+    compared(f"sensor, {name}", "emva1288 1.0.2", [abs(getattr(found, symbol) / given - 1.0)], share)
 
 
 def test_emva_finds_the_line_straight(found, compared):
-    compared("a sensor's straight line", "emva1288 1.0.2", [abs(found.LE_min), abs(found.LE_max)], 0.5, "%")
+    compared("sensor, linearity", "emva1288 1.0.2", [abs(found.LE_min), abs(found.LE_max)], 0.5, "%")

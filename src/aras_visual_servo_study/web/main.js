@@ -17,7 +17,7 @@ const page = { model, connection, runs: new Runs(model), shared, ask: (request) 
 window.aras = page;   // for tests, and for the curious
 bar(page, document.querySelector("#bar"));
 why(page, document.querySelector("#why"));
-model.on("connection", (state) => notice("connection", state === "open" ? "" : "The run cannot be reached; trying again."));
+model.on("connection", (state) => notice("connection", state === "open" ? "" : "No connection to the run. Retrying."));
 connection.open();
 const top = document.querySelector("#top");
 new ResizeObserver(() => document.documentElement.style.setProperty("--top", `${top.offsetHeight}px`)).observe(top);

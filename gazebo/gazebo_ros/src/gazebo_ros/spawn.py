@@ -18,7 +18,7 @@ LIMIT_S = 30.0  #: wall time until the simulator must be there
 
 
 class RefusedError(Exception):
-    """What was asked for was not done; the text says why."""
+    """A request failed; the text has the reason."""
 
 
 def parser() -> argparse.ArgumentParser:

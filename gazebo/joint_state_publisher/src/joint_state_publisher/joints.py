@@ -54,7 +54,7 @@ class Joints:
 
     def update(self, name: str, position: typing.Optional[float], velocity: typing.Optional[float],
                effort: typing.Optional[float]) -> None:
-        """A state that somebody else has published; names that are not of this robot are passed over."""
+        """Takes a state of another publisher. Ignores names of other robots."""
         if name in self.free:
             self.free[name] = Joint(position if position is not None else self.free[name].position, velocity, effort)
 
@@ -69,7 +69,7 @@ class Joints:
         return factor * self.free[name].position + offset if name in self.free else offset
 
     def rate(self, name: str, key: str) -> typing.Optional[float]:
-        """Velocity or effort, None where nobody has said it; that of a follower is its leader's velocity, scaled."""
+        """Returns velocity or effort, None if it is unknown; a follower's velocity is its leader's, scaled."""
         if name in self.following:
             leader = self.free.get(self.following[name].parent)
             value = getattr(leader, key) if leader else None

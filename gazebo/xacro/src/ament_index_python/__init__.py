@@ -1,1 +1,1 @@
-"""What xacro asks for the folders of packages."""
+"""Replaces ament_index_python, from which xacro gets the folders of packages."""

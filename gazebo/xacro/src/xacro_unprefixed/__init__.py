@@ -12,12 +12,12 @@ import xml.parsers.expat
 import xacro
 
 KEYWORDS = ("arg", "element", "attribute", "if", "include", "insert_block", "macro", "property", "unless")
-#: Names of tags in robot descriptions and SDF, which stay what they are even where a macro has the name.
+#: Names of tags in robot descriptions and SDF. They are never taken as macro calls.
 OWN_TAGS = frozenset(
     "actuator axis box calibration camera child collision color cylinder dynamics gazebo geometry hardwareInterface "
     "inertia inertial joint limit link mass material mechanicalReduction mesh mimic origin parent plugin ray robot "
     "safety_controller sensor sphere texture transmission type verbose visual".split())
-#: Tags whose content belongs to somebody else.
+#: Tags of other readers. Tags in them never count as xacro's.
 FOREIGN = ("plugin", "sdf", "world")
 FIX = ("find . -iname '*.xacro' | xargs sed -i "
        "'s#<\\([/]\\?\\)\\(if\\|unless\\|include\\|arg\\|property\\|macro\\|insert_block\\)\\b#<\\1xacro:\\2#g'")
@@ -34,7 +34,7 @@ class Notes:
         return bool(self._found)
 
     def pass_over(self, node: xml.dom.minidom.Element, what: str) -> None:
-        """Takes an element out, and notes it. Args: what: is wrong with it."""
+        """Removes an element, and notes it. Args: what: its fault."""
         self._passed.append("%s:%d: <%s>: %s: passed over, as until ROS Indigo" % (*place(node), node.tagName, what))
         xacro.replace_node(node, by=None)
 
@@ -96,7 +96,7 @@ def install(notes: Notes) -> None:
         if inp is None:
             path = os.path.join(xacro.root_dir or "", filename)
             if not os.path.isfile(path):
-                return parse(inp, filename)  # says what is wrong
+                return parse(inp, filename)  # reports the fault
             with open(path, "rb") as stream:
                 text = stream.read()
             inp = io.BytesIO(text)

@@ -19,14 +19,14 @@ from pathlib import Path
 from typing import Any, Awaitable, Callable, Dict, Iterator, Mapping
 
 SIGNALS = (signal.SIGHUP, signal.SIGINT, signal.SIGQUIT, signal.SIGTERM)
-EXIT_SIGNALLED = 128   # plus the signal's number: what a shell reports of a process that a signal ended
+EXIT_SIGNALLED = 128   # plus the signal's number: exit code that a shell reports for a process ended by a signal
 CLOSING_S = 3.0        # wall time
 MARK = "ARAS_PROCESSES_OF"
 PR_SET_PDEATHSIG = 1   # linux/prctl.h
 
 
 class Interrupted(KeyboardInterrupt):
-    """One of SIGNALS came. `exit_code`: what this process should end with."""
+    """Raised on one of SIGNALS. `exit_code`: the exit code for this process."""
 
     def __init__(self, number: int) -> None:
         super().__init__(f"interrupted by {signal.Signals(number).name}")
@@ -41,7 +41,7 @@ class _Signals:
 
     def came(self, number, _frame=None):
         if self.raised and time.monotonic() - self.since_s < CLOSING_S:
-            return  # this process is ending already and closes what is open
+            return  # this process is already ending and closing its resources
         if self.holds:
             self.pending = self.pending or number
             return
@@ -209,5 +209,5 @@ def processes_of(mark: str) -> Dict[int, str]:
             if wanted in (folder / "environ").read_bytes():
                 found[int(folder.name)] = (folder / "comm").read_text().strip()
         except OSError:
-            pass  # it has ended, or is somebody else's
+            pass  # it has ended, or belongs to another user
     return found

@@ -1,4 +1,4 @@
-"""The packages that are built on this one: loaded by name, when something of them is asked for."""
+"""The packages that build on this one. They are loaded by name on first use."""
 
 import importlib
 from types import ModuleType
@@ -13,7 +13,7 @@ def sister(package: str, module: str, needed_by: str) -> ModuleType:
     """Returns a module of a package that is built on this one.
 
     Args:
-        module: dotted name within the package; "" is the package itself.  needed_by: what the user asked for.
+        module: dotted name within the package; "" is the package itself.  needed_by: the request, for messages.
     Raises:
         ArasError: the package is not installed.
     """

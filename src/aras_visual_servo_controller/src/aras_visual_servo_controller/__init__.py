@@ -1,6 +1,6 @@
 """ROS side of ARAS Visual Servo: nodes, runs over ROS, bags, calibration and the real arm.
 
-`__init__.pyi` lists the public names. Each is imported when it is first used: ROS only with what needs it.
+`__init__.pyi` lists the public names. Each is imported on first use: ROS only for names that need it.
 """
 
 from typing import Any

@@ -10,8 +10,8 @@ export const bar = (page, place) => {
     .catch((error) => { notice("action", error.message); setTimeout(() => notice("action", ""), 8000); });
   const servo = (reference) => () => { page.shared.toNow?.(); return act({ do: "start", reference })(); };   // whoever begins a servo wants to see it
   const name = el("h1");
-  const pause = button("Pause", "Let simulated time stand still, or go on (space)", () => act({ do: "pause", paused: !model.state?.paused })(), { id: "pause" });
-  const step = button("Step", "One image more", act({ do: "step" }), { id: "step" });
+  const pause = button("Pause", "Pause or continue simulated time (space)", () => act({ do: "pause", paused: !model.state?.paused })(), { id: "pause" });
+  const step = button("Step", "Advance by one image", act({ do: "step" }), { id: "step" });
   const speed = el("select", { title: "Simulated time per wall time", "aria-label": "simulated time per wall time", id: "speed", onchange: () => act({ do: "speed", factor: Number(speed.value) })() },
     ...SPEEDS.map(([value, label]) => el("option", { value }, label)));
   const follow = el("input", { type: "checkbox", id: "follow", onchange: () => act({ do: "follow", follow: follow.checked })() });
@@ -24,16 +24,16 @@ export const bar = (page, place) => {
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => model.emit("theme"));
   const buttons = {
     start: button("Run all", "Drive to the goal, teach it, drive to the start, servo", servo("experiment"), { class: "primary", id: "start" }),
-    servo: button("Servo from here", "Servo from where the arm is to the goal that was taught", servo("taught"), { id: "servo" }),
+    servo: button("Servo from here", "Servo from the current place to the taught goal", servo("taught"), { id: "servo" }),
     stop: button("Stop", "Stop the arm", act({ do: "stop" }), { id: "stop" }),
-    teach: button("Teach here", "This view becomes the goal", act({ do: "teach" }), { id: "teach" }),
-    reset: button("Reset", "Begin anew, with the settings as they stand", act({ do: "reset" }), { id: "reset" }),
+    teach: button("Teach here", "Make this view the goal", act({ do: "teach" }), { id: "teach" }),
+    reset: button("Reset", "Restart with the current settings", act({ do: "reset" }), { id: "reset" }),
   };
   const clock = el("span", { class: "clock" });
   place.append(
     name,
     el("div", { class: "buttons" }, buttons.start, buttons.servo, buttons.stop, buttons.teach, el("i"), pause, step, speed, el("i"), buttons.reset,
-      el("label", { class: "check", title: "Once the servo has ended, it begins again when the target has moved" }, follow, "follow the target")),
+      el("label", { class: "check", title: "Restart the servo when the target moves after its end" }, follow, "follow the target")),
     theme);
   page.clock = clock;
   model.on("about", (about) => {
@@ -46,7 +46,7 @@ export const bar = (page, place) => {
     buttons.stop.disabled = quiet;
     buttons.servo.disabled = !state.taught;
     buttons.teach.disabled = !quiet;
-    pause.textContent = state.paused ? "Go on" : "Pause";
+    pause.textContent = state.paused ? "Continue" : "Pause";
     step.disabled = !state.paused;
     if (![...speed.options].some((one) => one.value === String(state.speed))) speed.append(el("option", { value: state.speed }, `${state.speed} ×`));
     if (document.activeElement !== speed) speed.value = String(state.speed);

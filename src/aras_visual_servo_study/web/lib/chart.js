@@ -28,10 +28,10 @@ export class Chart {
    */
   constructor(spec, shared, changed) {
     Object.assign(this, { spec, shared, changed, rows: [], marks: [], over: null, zero: 0, axis: "", hidden: new Set(), log: Boolean(spec.log), cursor: null });
-    this.canvas = el("canvas", { tabindex: 0, role: "img", "aria-label": `${spec.title} ${spec.unit} over time; the numbers are below, and in the CSV file`, title: "Click: go to this moment. Drag: zoom. Double click: all of it." });
+    this.canvas = el("canvas", { tabindex: 0, role: "img", "aria-label": `${spec.title} ${spec.unit} over time; the numbers are below, and in the CSV file`, title: "Click: go to this moment. Drag: zoom. Double-click: reset the zoom." });
     this.legend = el("div", { class: "legend" });
     this.outputs = spec.series.map((one, i) => {
-      const output = el("output"), other = el("output", { class: "other", hidden: true, title: "the other run, at the same time since it began" });
+      const output = el("output"), other = el("output", { class: "other", hidden: true, title: "the other run, at the same time after its start" });
       const chip = el("button", { type: "button", "aria-pressed": "true", title: one.title || one.label, onclick: () => {
         if (!this.hidden.delete(i)) this.hidden.add(i);
         chip.setAttribute("aria-pressed", String(!this.hidden.has(i)));

@@ -16,16 +16,16 @@ const make = (page) => {
     return box;
   }
   const canvas = el("canvas", { id: "world", tabindex: 0, role: "application", "aria-label": "the arm: arrow keys turn the view, plus and minus zoom, Home shows all of it; the target can be moved in the panel Target" });
-  const inset = el("button", { class: "inset", type: "button", hidden: true, "aria-label": "change places with the large view", title: "The observer's view; click to change places with the large one" });
-  body.append(canvas, inset, el("p", { class: "hint" }, "Drag turns the view, the wheel or two fingers zoom, the right button or two fingers shift. Drag the target to move it, the ring around it to turn it: where the plane is green the arm can follow. Keys: arrows, + and −, Home."));
+  const inset = el("button", { class: "inset", type: "button", hidden: true, "aria-label": "swap with the large view", title: "The observer's view; click to swap it with the large view" });
+  body.append(canvas, inset, el("p", { class: "hint" }, "Drag to rotate the view, scroll or pinch to zoom, drag with the right button to shift. Drag the target to move it, and its ring to rotate it. The arm can follow where the plane is green. Keys: arrows, + and −, Home."));
   let world = null;
   const toggle = (text, title, on, act) => {
     const control = button(text, title, () => { control.setAttribute("aria-pressed", String(act())); }, { "aria-pressed": String(on), class: "quiet" });
     return control;
   };
   head.append(el("span", { class: "tools" },
-    button("Home", "The view from where everything is seen", () => world?.home(), { class: "quiet" }),
-    toggle("Ride along", "The view goes with the camera", false, () => { world?.follow(!world.follows); return world?.follows; }),
+    button("Home", "Show the whole arm", () => world?.home(), { class: "quiet" }),
+    toggle("Ride along", "Attach the view to the camera", false, () => { world?.follow(!world.follows); return world?.follows; }),
     toggle("Observer", "A second view, from an observer beside the arm", false, () => { if (world) { world.second = !world.second; world.dirty = true; inset.hidden = !world.second; } return world?.second; })));
   inset.onclick = () => { if (world) { world.swapped = !world.swapped; world.dirty = true; } };
 
@@ -75,7 +75,7 @@ const make = (page) => {
   model.on("rows", (rows) => { if (!model.past && performance.now() - shown > 100) { shown = performance.now(); path(rows); } });
   build(model.about).catch((error) => notice("arm", error.message));
 
-  canvas.addEventListener("webglcontextlost", (event) => { event.preventDefault(); notice("webgl", "The browser has taken the 3-D view away; reload the page to have it back."); });
+  canvas.addEventListener("webglcontextlost", (event) => { event.preventDefault(); notice("webgl", "The browser has closed the 3-D view. Reload the page to restore it."); });
   const frame = () => {
     if (world) {
       world.size(canvas.clientWidth, canvas.clientHeight);

@@ -32,13 +32,13 @@ const mark = (pen, marks, colour, k, wanted) => {
 const make = (page) => {
   const { model } = page, { card: box, head, body } = card("Camera", "camera");
   const live = el("canvas", { id: "live" }), caption = el("figcaption", {}, "live"), goal = el("canvas", { id: "goal" });
-  const blend = el("input", { type: "range", min: 0, max: 1, step: 0.01, value: 0, id: "blend", "aria-label": "how much of the goal image lies over the live one" });
+  const blend = el("input", { type: "range", min: 0, max: 1, step: 0.01, value: 0, id: "blend", "aria-label": "opacity of the goal image over the live image" });
   const show = { features: true, trails: true };
   const toggle = (name, title) => {
     const control = button(name[0].toUpperCase() + name.slice(1), title, () => { show[name] = !show[name]; control.setAttribute("aria-pressed", String(show[name])); draw(); }, { "aria-pressed": "true", class: "quiet" });
     return control;
   };
-  head.append(el("span", { class: "tools" }, toggle("features", "Draw what the servo sees (cross) and wants (ring)"), toggle("trails", "Draw the way of each point through the image")));
+  head.append(el("span", { class: "tools" }, toggle("features", "Draw measured features (cross) and goal features (ring)"), toggle("trails", "Draw the path of each point in the image")));
   body.append(
     el("div", { class: "pictures" },
       el("figure", {}, live, caption),

@@ -21,8 +21,8 @@ export const charts = (about, column, margin) => {
   });
   return [
     { key: "errors", title: "Errors", unit: units.map((unit) => `[${unit}]`).join(", "), series: errors, least: 0.01, log: true },
-    { key: "linear_velocity", title: "Camera velocity", unit: "[mm/s]", series: velocity(["vx", "vy", "vz"], 1e3, "mm_per_s"), fixed: true, least: 1 },
-    { key: "angular_velocity", title: "Camera turning", unit: "[deg/s]", series: velocity(["wx", "wy", "wz"], 180 / Math.PI, "deg_per_s"), fixed: true, least: 0.2 },
+    { key: "linear_velocity", title: "Camera linear velocity", unit: "[mm/s]", series: velocity(["vx", "vy", "vz"], 1e3, "mm_per_s"), fixed: true, least: 1 },
+    { key: "angular_velocity", title: "Camera angular velocity", unit: "[deg/s]", series: velocity(["wx", "wy", "wz"], 180 / Math.PI, "deg_per_s"), fixed: true, least: 0.2 },
     { key: "joints", title: "Joints", unit: `±1: limits less ${Number((1e3 * margin).toPrecision(3))} mm or ${Number((180 / Math.PI * margin).toPrecision(2))}°`, series: joints, fixed: true, low: -1.1, high: 1.35,
       lines: [{ at: -1, label: "lower limit, less the margin" }, { at: 1, label: "upper limit, less the margin" }] },
     { key: "condition", title: "Conditioning", unit: "", log: true, series: [
@@ -49,13 +49,13 @@ const make = (page) => {
     });
   };
   page.redraw = redraw;
-  const pause = button("Hold", "Hold the curves still; the run goes on", () => {
+  const pause = button("Hold", "Freeze the curves while the run continues", () => {
     shared.paused = !shared.paused;
     held = shared.paused ? model.rows.slice() : null;
     redraw();
   }, { class: "quiet", "aria-pressed": "false", id: "hold" });
-  const whole = button("All of it", "Take the zoom back (double click on a curve does the same)", () => { shared.from = shared.to = null; shared.paused = false; redraw(); }, { class: "quiet" });
-  const window_s = el("select", { title: "How much is shown", "aria-label": "how much is shown", id: "window", onchange: () => { shared.window_s = Number(window_s.value); shared.from = shared.to = null; redraw(); } },
+  const whole = button("All of it", "Reset the zoom (or double-click a curve)", () => { shared.from = shared.to = null; shared.paused = false; redraw(); }, { class: "quiet" });
+  const window_s = el("select", { title: "Time range", "aria-label": "time range", id: "window", onchange: () => { shared.window_s = Number(window_s.value); shared.from = shared.to = null; redraw(); } },
     ...[[5, "5 s"], [10, "10 s"], [20, "20 s"], [60, "1 min"], [600, "all"]].map(([value, label]) => el("option", { value, selected: value === 20 }, label)));
   const sync = () => { window_s.hidden = pause.hidden = Boolean(shared.run); note.textContent = shared.run ? `${page.runs.name(shared.run)}${shared.over ? `; dashed: ${page.runs.name(shared.over)}` : ""}` : ""; pause.setAttribute("aria-pressed", String(shared.paused)); whole.disabled = shared.from === null && !shared.paused; };
   const note = el("small", { id: "curves-of" });

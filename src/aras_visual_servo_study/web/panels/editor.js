@@ -38,11 +38,11 @@ const make = (page) => {
     const { editor, taught } = model.state || {}, inUse = `The law ${model.values.servo.law} is in use.`, press = `Press ${taught ? "Again" : "Run all"} to servo with it.`;
     const say = (is, words) => { told.dataset.is = is; told.textContent = words; };
     if (!editor) say("", "");
-    else if (refused) say("refused", `This text was refused, and nothing has changed. ${inUse}`);
+    else if (refused) say("refused", `This text was rejected, and nothing has changed. ${inUse}`);
     else if (text.value !== model.about.editor.text) say("edited", `This text has not been checked yet. ${inUse}`);
     else if (editor.waits) say("waits", `Accepted. ${press}`);
     else if (editor.law) say("used", `The law ${editor.law} of this text is in use. ${press}`);
-    else if (editor.again) say("left", `The servo with this text ended by the fault below. The law ${editor.again} is used again.`);
+    else if (editor.again) say("left", `The servo with this text ended with the fault below. The law ${editor.again} is in use again.`);
     else say("other", inUse);
   };
   const send = () => page.ask({ do: "write_law", text: text.value }).then(() => { refused = false; show([]); }, (error) => { refused = true; show(error.faults || [error.message]); }).then(tell);

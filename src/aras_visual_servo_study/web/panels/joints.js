@@ -26,7 +26,7 @@ const make = (page) => {
       }, field: el("div", { class: "field" }, el("label", {}, joint.name), slider, output) };
     });
     body.replaceChildren(note, ...rows.map((row) => row.field));
-    note.textContent = "The joint drives there at a fifth of its speed. While something is servoed, stop it first.";
+    note.textContent = "The joint moves at a fifth of its maximum speed. Stop the servo first.";
   };
   model.on("about", build);
   model.on("state", (state) => { if (box.open) rows.forEach((row) => row.show(state, state.phase === "idle" || state.phase === "done")); });

@@ -24,7 +24,7 @@ const make = (page) => {
     page.ask({ do: "offer", law }).then(({ features, values, reset }) => {
       const signs = features.flatMap((name, i) => [i ? ", " : "", symbol(model.about.known.find((one) => one.name === name)?.symbol || name)]);
       const more = Object.keys(values).filter((key) => !FIRST.map((one) => `servo.${one}`).includes(key));
-      offer.replaceChildren(el("p", {}, `The law ${law} works on other features: `, ...signs, more.length ? `. It also needs ${more.join(", ")}` : "", reset ? ". The run begins anew with them." : "."),
+      offer.replaceChildren(el("p", {}, `The law ${law} needs other features: `, ...signs, more.length ? `. It also needs ${more.join(", ")}` : "", reset ? ". This restarts the run." : "."),
         button(`Switch to ${features.length === 1 ? "this feature" : `these ${features.length} features`}`, "Set law and features together", () => page.ask({ do: "set", values, reset }).then(leave, (error) => { notice("offer", error.message); leave(); }), { id: "take-offer", class: "primary" }),
         button("Stay", "Keep law and features", leave));
     }, (error) => { offer.replaceChildren(el("p", {}, error.message)); fields.refresh(["servo.law"]); });

@@ -2,12 +2,12 @@
 import { button, el, folding } from "../lib/dom.js";
 
 const make = (page) => {
-  const { model } = page, { card: box, body } = folding("Lessons", false, "what a servo does, and why");
+  const { model } = page, { card: box, body } = folding("Lessons", false, "predict and check");
   const fault = el("p", { role: "alert", class: "fault", hidden: true });
   const ask = (request) => page.ask(request).then(() => { fault.hidden = true; }, (error) => { fault.textContent = error.message; fault.hidden = false; });
   const which = el("select", { id: "lesson", "aria-label": "lesson" });
-  const set = button("Set the scene", "The run begins anew with the scenario of the lesson", () => ask({ do: "lesson", name: which.value }), { id: "lesson-set", class: "primary" });
-  const leave = button("Leave", "Back to the scenario of before; the run begins anew", () => ask({ do: "lesson" }), { id: "lesson-leave" });
+  const set = button("Set the scene", "Restart the run with the scenario of the lesson", () => ask({ do: "lesson", name: which.value }), { id: "lesson-set", class: "primary" });
+  const leave = button("Leave", "Return to the previous scenario and restart the run", () => ask({ do: "lesson" }), { id: "lesson-leave" });
   const place = el("div", { class: "lesson" }), told = el("div", { class: "told", role: "status", id: "lesson-told" });
   let shown = "", change, answer, attempt;
   const lesson = () => model.about.lessons.find((one) => one.name === shown);
@@ -20,12 +20,12 @@ const make = (page) => {
     told.replaceChildren();
     if (!one) return;
     answer = "";
-    change = el("select", { id: "lesson-change", "aria-label": "what is changed" }, ...one.changes.map((label) => el("option", { value: label }, label)));
+    change = el("select", { id: "lesson-change", "aria-label": "change" }, ...one.changes.map((label) => el("option", { value: label }, label)));
     attempt = button("Try it", "Run the scene with this change, and check the answer against the run", () => ask({ do: "try_lesson", change: change.value, answer }), { id: "lesson-try", class: "primary" });
     const choose = (key) => el("input", { type: "radio", name: "lesson-answer", value: key, onchange: () => { answer = key; ready(); } });
     place.append(el("p", {}, one.scene), el("p", {}, el("b", {}, one.question)),
       el("div", { class: "field" }, el("label", { for: "lesson-change" }, "change"), change),
-      el("fieldset", {}, el("legend", {}, "what will happen"), ...Object.entries(one.answers).map(([key, text]) => el("label", { class: "check" }, choose(key), text))), attempt);
+      el("fieldset", {}, el("legend", {}, "prediction"), ...Object.entries(one.answers).map(([key, text]) => el("label", { class: "check" }, choose(key), text))), attempt);
   };
   const list = () => {
     const { lessons } = model.about, before = which.value;
@@ -48,7 +48,7 @@ const make = (page) => {
     ready();
     const verdict = now.right === null ? "" : now.right ? "Yes. " : "No. ";
     told.dataset.right = String(now.right);
-    told.replaceChildren(...(now.running ? [now.change ? `The run with ${now.change} goes on; it is checked when the servo ends.` : "The first run goes on. Look at it, then answer."]
+    told.replaceChildren(...(now.running ? [now.change ? `The run with ${now.change} is in progress. The check follows when the servo ends.` : "The first run is in progress. Watch it, then answer."]
       : [el("p", {}, el("b", {}, verdict), now.found && `${now.found} `, now.text)]));
   };
   body.append(which, el("div", { class: "line" }, set, leave), fault, place, told);

@@ -4,7 +4,7 @@ import { button, download, el, folding, notice } from "../lib/dom.js";
 const make = (page) => {
   const { card: box, body } = folding("Save as a scenario");
   const name = el("input", { type: "text", value: "live", "aria-label": "name", id: "save-name", spellcheck: "false" }), here = el("input", { type: "checkbox", id: "save-here" });
-  const save = button("Save", "Download what stands here as a scenario file", async () => {
+  const save = button("Save", "Download the current settings as a scenario file", async () => {
     try {
       const answer = await page.ask({ do: "save", name: name.value, start_here: here.checked });
       page.saved = answer.yaml;
@@ -13,8 +13,8 @@ const make = (page) => {
     } catch (error) { notice("save", error.message); }
   }, { id: "save" });
   body.append(el("div", { class: "field" }, el("label", {}, "name"), name),
-    el("label", { class: "check" }, here, "the arm's position now becomes the start"),
-    el("p", { class: "soft" }, "All settings as they stand, and the target where it is. Run it with ", el("code", {}, "aras-servo run FILE"), "."), save);
+    el("label", { class: "check" }, here, "use the arm's current position as the start"),
+    el("p", { class: "soft" }, "The file has all current settings and the target's place. Run it with ", el("code", {}, "aras-servo run FILE"), "."), save);
   return box;
 };
 

@@ -6,7 +6,7 @@ const SECTIONS = ["servo", "experiment", "vision", "sim"];
 
 const make = (page) => {
   const { card: box, body } = folding("All settings"), fields = page.fields ||= new Fields(page);
-  body.append(el("p", { class: "soft" }, "Those of servo and experiment act at once; what waits for a Reset says so."));
+  body.append(el("p", { class: "soft" }, "Settings of servo and experiment apply at once. Settings that need a Reset are marked."));
   for (const name of SECTIONS) body.append(fields.section(name, page.model.about.schema[name], name));
   return box;
 };

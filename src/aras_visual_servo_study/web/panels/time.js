@@ -10,17 +10,17 @@ const make = (page) => {
   const act = (work) => () => { shared.toNow(); return work().then(() => notice("again", "")).catch((error) => { notice("again", error.message); setTimeout(() => notice("again", ""), 8000); }); };
   const slider = el("input", { type: "range", id: "time", min: 0, max: 1, step: 0.01, "aria-label": "time in seconds: go back to a moment of the session" });
   const ticks = el("div", { class: "ticks", "aria-hidden": "true" }), output = el("output", { id: "time-at" }), unit = el("small", { id: "time-unit" }), marks = el("div", { class: "marks" });
-  const play = button("▶", "Play what is selected again", () => (playing ? stop() : begin()), { id: "play", "aria-label": "play" });
-  const live = button("Live", "Back to what is now", () => shared.toNow(), { id: "live-now" });
-  const which = el("select", { id: "run", "aria-label": "what the slider and the curves show", onchange: () => { stop(); const { past } = model; select(found(which.value)); if (past) seek(span()[0]); } });
+  const play = button("▶", "Replay the selection", () => (playing ? stop() : begin()), { id: "play", "aria-label": "play" });
+  const live = button("Live", "Return to the present", () => shared.toNow(), { id: "live-now" });
+  const which = el("select", { id: "run", "aria-label": "run that slider and curves show", onchange: () => { stop(); const { past } = model; select(found(which.value)); if (past) seek(span()[0]); } });
   const over = el("select", { id: "over", "aria-label": "run to compare with, drawn dashed", onchange: () => { shared.over = found(over.value); page.redraw?.(); } });
-  const again = button("Again", "Drive to the start and servo to the goal that was taught", act(() => page.ask({ do: "again" })), { id: "again" });
-  const another = button("Another start", "The same from a start drawn at random, which stays in the settings", act(async () => {
+  const again = button("Again", "Drive to the start and servo to the taught goal", act(() => page.ask({ do: "again" })), { id: "again" });
+  const another = button("Another start", "The same from a random start, which is kept in the settings", act(async () => {
     const { start } = await page.ask({ do: "draw_start" });
     await page.ask({ do: "set", values: { "experiment.start": start } });
     await page.ask({ do: "again" });
   }), { id: "another" });
-  const slow = button("Again, 0.1 ×", "The same, and the servo at a tenth of the pace", act(async () => { await page.ask({ do: "again" }); pace = "waits"; }), { id: "slow" });
+  const slow = button("Again, 0.1 ×", "The same, with the servo at a tenth of the speed", act(async () => { await page.ask({ do: "again" }); pace = "waits"; }), { id: "slow" });
   head.append(el("span", { class: "tools" }, again, another, slow));
   body.append(el("div", { class: "scrub" }, play, el("div", { class: "track" }, slider, ticks), output, live), unit, marks,
     el("div", { class: "choose" }, el("label", {}, el("span", {}, "show"), which), el("label", {}, el("span", {}, "compare with"), over)));

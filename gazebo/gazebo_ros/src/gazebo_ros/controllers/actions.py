@@ -1,4 +1,4 @@
-"""What controllers that serve an action share: one goal at a time, and a server that survives a reset of the time."""
+"""Base class of controllers with an action: one goal at a time, and a server that survives a time reset."""
 import typing
 
 import actionlib

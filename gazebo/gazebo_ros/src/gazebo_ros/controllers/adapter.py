@@ -1,4 +1,4 @@
-"""What the adapters of all types of controllers share: a controller's place in the world and in the ROS graph."""
+"""Base class of the controller adapters: a controller's place in the world and in the ROS graph."""
 import typing
 
 from ..node.outlet import Outlet
@@ -37,7 +37,7 @@ class Adapter(Outlet):
 
     @staticmethod
     def stand_in(parameters: Parameters) -> Parameters:
-        """What the simulator is to load for the parameters of such a controller. Raises: ArasError."""
+        """Returns the simulator's parameters for those of such a controller. Raises: ArasError."""
         return parameters
 
     def topic(self, name: str) -> str:

@@ -9,7 +9,7 @@ from aras_visual_servo_sim import ArasError
 from .actions import NOT_RUNNING, ActionAdapter
 from .adapter import register
 
-#: What the end of a goal is in the words of the action.
+#: End of a goal -> status of the action.
 ENDS = {"reached": "succeeded", "stalled": "aborted"}
 
 

@@ -1,4 +1,4 @@
-"""What publishes joint_states of the joints that have a transmission, sorted by name."""
+"""Publisher of joint_states of the joints with a transmission, sorted by name."""
 from sensor_msgs.msg import JointState
 
 from ..node.convert import stamped

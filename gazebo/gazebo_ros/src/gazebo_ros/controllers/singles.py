@@ -53,7 +53,7 @@ class SinglePid(Single):
             self.ends_with(end)
 
     def _reconfigured(self, config: typing.Any, _level: int) -> typing.Any:
-        """In rospy's thread. The first call has what is in the parameters: nothing is to be changed then."""
+        """Called in rospy's thread. The first call has the initial parameters and changes nothing."""
         gains = {key: config[key] for key in GAINS}
         first, self._gains = self._gains is None, gains
         if not first:

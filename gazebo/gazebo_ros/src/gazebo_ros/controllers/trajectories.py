@@ -17,7 +17,7 @@ from .actions import NOT_RUNNING, ActionAdapter
 from .adapter import register
 
 Result = FollowJointTrajectoryResult
-#: What the end of a goal is in the words of the action.
+#: End of a goal -> result of the action.
 ENDS = {"succeeded": (Result.SUCCESSFUL, "succeeded"),
         "path_tolerance_violated": (Result.PATH_TOLERANCE_VIOLATED, "aborted"),
         "goal_tolerance_violated": (Result.GOAL_TOLERANCE_VIOLATED, "aborted")}
@@ -26,7 +26,7 @@ WRONG_JOINTS = "Joints on incoming goal don't match the controller joints."
 
 
 def points_of(trajectory: JointTrajectory) -> typing.List[typing.Tuple[float, Vector, Vector, Vector]]:
-    """What the simulator takes: (time_s, positions, velocities, accelerations) of each point."""
+    """Returns the simulator's form: (time_s, positions, velocities, accelerations) of each point."""
     return [(point.time_from_start.to_sec(), list(point.positions), list(point.velocities), list(point.accelerations))
             for point in trajectory.points]
 
@@ -56,7 +56,7 @@ class TrajectoryFollower(ActionAdapter):
         self.ends_with(query.shutdown)
         self.serve("follow_joint_trajectory", FollowJointTrajectoryAction)
 
-    # --- what comes in
+    # --- inputs
 
     def _start_s(self, header: Header) -> typing.Optional[float]:
         """When a trajectory begins; None: now."""
@@ -100,7 +100,7 @@ class TrajectoryFollower(ActionAdapter):
         rows = self.simulation.trajectory_at(self.name, self.world.core_s(request.time.to_nsec()))
         return QueryTrajectoryStateResponse(list(self.joints), *(list(map(float, rows[:, k])) for k in range(3)))
 
-    # --- what goes out
+    # --- outputs
 
     @property
     def next_ns(self) -> int:

@@ -1,1 +1,1 @@
-"""Says before a start what a package asks for that is not there."""
+"""Lists the missing dependencies of a launch file without starting it."""

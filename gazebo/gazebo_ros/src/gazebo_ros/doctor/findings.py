@@ -1,12 +1,12 @@
-"""What the doctor finds, and the table of it."""
+"""Findings of the doctor, and their table."""
 import dataclasses
 import typing
 
 import rospkg
 
-#: What is asked for, in the order of the table.
+#: Kinds of findings, in the order of the table.
 KINDS = ("package", "file", "program", "nodelet", "syntax", "python 2", "module", "xacro", "plugin", "model", "mesh")
-#: Beginnings of the names of packages and modules, and what they belong to.
+#: Prefixes of package and module names -> project.
 KNOWN = (("moveit", "MoveIt, which Debian 12 does not have: launch files and nodes that plan with it do not run"),
          ("ompl", "OMPL's planners, part of MoveIt"), ("rosbridge", "rosbridge_suite: not in Debian 12"),
          ("rqt", "a window of rqt, which Debian 12 does not have"), ("mav_msgs", "mav_comm: build it in the workspace"),
@@ -17,8 +17,8 @@ KNOWN = (("moveit", "MoveIt, which Debian 12 does not have: launch files and nod
 
 @dataclasses.dataclass(frozen=True)
 class Finding:
-    """Something that is not there. Attributes: kind: of KINDS.  what: its name.  where: FILE:LINE.  advice: what it
-    belongs to, or what to do."""
+    """A missing dependency. Attributes: kind: of KINDS.  what: its name.  where: FILE:LINE.  advice: its project, or
+    the remedy."""
     kind: str
     what: str
     where: str = ""
@@ -26,7 +26,7 @@ class Finding:
 
 
 def advice_for(name: str) -> str:
-    """Returns what a package or module belongs to, "" where nothing is known."""
+    """Returns the project of a package or module, "" if it is unknown."""
     if name.endswith("_moveit_config"):
         return KNOWN[0][1]
     return next((advice for start, advice in KNOWN if name == start or name.startswith(start)), "")
@@ -44,8 +44,7 @@ def shortened(where: str, packages: typing.Optional[rospkg.RosPack]) -> str:
 
 
 def table(findings: typing.Iterable[Finding], packages: typing.Optional[rospkg.RosPack] = None) -> typing.List[str]:
-    """Returns lines: one for each thing that is not there, those of a kind together, each once. Args: packages: as
-    shortened()."""
+    """Returns one line for each missing thing, sorted by kind, without duplicates. Args: packages: as shortened()."""
     rows = {}
     for finding in sorted(findings, key=lambda each: (KINDS.index(each.kind), each.what, each.where)):
         rows.setdefault((finding.kind, finding.what), finding)
@@ -53,7 +52,7 @@ def table(findings: typing.Iterable[Finding], packages: typing.Optional[rospkg.R
              for each in rows.values()]
     if not cells:
         return []
-    cells.insert(0, ("what", "name", "where", "note"))
+    cells.insert(0, ("kind", "name", "where", "note"))
     widths = [max(len(row[k]) for row in cells) for k in range(3)]
     lines = ["  ".join([*(cell.ljust(width) for cell, width in zip(row, widths)), row[3]]).rstrip() for row in cells]
     return [lines[0], "-" * len(lines[0]), *lines[1:]]

@@ -1,4 +1,4 @@
-"""Launch files: what they include, start and load, found without starting anything."""
+"""Launch files: their includes, nodes and parameters, read without starting anything."""
 import os
 import re
 import shlex
@@ -20,7 +20,7 @@ from .nodelets import Nodelets
 
 XACRO_S = 60.0  #: wall time that xacro may take for a file
 PASSING = re.compile("xacro: in-order processing|.*[Ww]arning:|when |instantiated from|in file:|Traceback| ")
-Context = typing.Dict[str, typing.Any]  #: what roslaunch's resolve_args takes
+Context = typing.Dict[str, typing.Any]  #: argument of roslaunch's resolve_args
 SERVERS = ("gzserver", "gazebo", "debug", "perf")
 
 
@@ -37,7 +37,7 @@ class Launch:
         self._nodelets = Nodelets(self._rospack)
 
     def walk(self, path: str, arguments: typing.Dict[str, str]) -> None:
-        """Looks at a launch file and at what it includes. Args: arguments: dict of <arg>s that it is given."""
+        """Examines a launch file and its includes. Args: arguments: dict of its <arg>s."""
         key = path, tuple(sorted(arguments.items()))
         if key in self._seen:
             return
@@ -72,7 +72,7 @@ class Launch:
                 context["arg"][name] = value
 
     def _wanted(self, document: Lined, element: ElementTree.Element, context: Context) -> bool:
-        """Whether if and unless let an element through; what cannot be told lets it through."""
+        """Returns whether if and unless enable an element; an unresolvable condition enables it."""
         for key, wanted in (("if", True), ("unless", False)):
             value = self._text(document, element, element.get(key), context)
             if value is not None and (value.strip().lower() in ("true", "1")) != wanted:

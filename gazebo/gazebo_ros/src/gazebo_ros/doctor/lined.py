@@ -10,7 +10,7 @@ from ..sdf.mend import text_of
 
 
 class Lined:
-    """A document. Attributes: path: of the file.  root: Element.  fault: what is wrong with it, "" for nothing."""
+    """A document. Attributes: path: of the file.  root: Element.  fault: text of its fault, else ""."""
 
     def __init__(self, path: str, text: typing.Optional[str] = None) -> None:
         """Args: text: of the document, None: it is read from the file."""

@@ -12,14 +12,14 @@ SYSTEM = ("/usr/lib", "/usr/lib/*-linux-gnu")  #: where Debian's libraries are, 
 
 
 class Nodelets:
-    """What nodelet's loader finds: classes in the files that packages export to `nodelet`."""
+    """Classes that nodelet's loader finds in the files that packages export to `nodelet`."""
 
     def __init__(self, packages: rospkg.RosPack) -> None:
         """Args: packages: finds the packages."""
         self._packages = packages
 
     def fault(self, words: typing.Sequence[str]) -> typing.Optional[typing.Tuple[str, str]]:
-        """Returns (name of the class, what is wrong with it), None: it can be loaded, or none is named.
+        """Returns (name of the class, its fault), None: it can be loaded, or none is named.
 
         Args: words: command line of the program nodelet.
         """

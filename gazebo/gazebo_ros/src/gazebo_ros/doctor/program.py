@@ -1,4 +1,4 @@
-"""The program gazebo-doctor: one table of what a launch file asks for that is not there."""
+"""The program gazebo-doctor: one table of the missing dependencies of a launch file."""
 import argparse
 import os
 import typing
@@ -43,9 +43,9 @@ def examine(path: str, arguments: typing.Dict[str, str]) -> typing.List[Finding]
 
 
 def main(arguments: typing.Optional[typing.Sequence[str]] = None) -> int:
-    """Returns 0: nothing is missing, 1: something is, 2: there is no such launch file."""
-    parser = argparse.ArgumentParser(prog="gazebo-doctor", description="Says what a launch file asks for that is not "
-                                     "there: packages, programs, plugins, models, meshes, Python 2.")
+    """Returns 0: nothing is missing, 1: a dependency is missing, 2: there is no such launch file."""
+    parser = argparse.ArgumentParser(prog="gazebo-doctor", description="Lists what a launch file needs and cannot "
+                                     "find: packages, programs, plugins, models, meshes, Python 2 code.")
     parser.add_argument("package", help="name of a package, or path of a launch file")
     parser.add_argument("launch", nargs="?", default="", help="name of the launch file")
     parser.add_argument("args", nargs="*", metavar="NAME:=VALUE", help="its arguments")

@@ -9,7 +9,7 @@ from .findings import Finding, advice_for
 
 #: Names that Python 3 does not have.
 OLD_NAMES = {"xrange", "raw_input", "unicode", "unichr", "basestring", "execfile", "reduce", "long", "cmp"}
-#: Modules of Python 2's library, and what they are called now.
+#: Modules of Python 2's library -> their names in Python 3.
 OLD_MODULES = {"Queue": "queue", "Tkinter": "tkinter", "ConfigParser": "configparser", "urllib2": "urllib.request",
                "cPickle": "pickle", "StringIO": "io", "commands": "subprocess", "thread": "_thread",
                "tkMessageBox": "tkinter.messagebox", "__builtin__": "builtins", "HTMLParser": "html.parser"}
@@ -79,7 +79,7 @@ def findings_of(path: str, own: typing.Collection[str] = ()) -> typing.List[Find
 
 
 def modules_of(node: ast.AST) -> typing.List[str]:
-    """Returns names of the modules that a statement imports, without what stands behind the first dot."""
+    """Returns the top-level names of the modules that a statement imports."""
     if isinstance(node, ast.Import):
         return [name.name.partition(".")[0] for name in node.names]
     if isinstance(node, ast.ImportFrom) and not node.level and node.module:

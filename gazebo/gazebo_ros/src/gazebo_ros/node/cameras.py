@@ -47,9 +47,9 @@ def cloud_message(header: Header, points: numpy.ndarray) -> PointCloud2:
 
 
 class Cameras(Outlet):
-    """Sends each image when it is due, while somebody listens. The server draws those of all models together.
+    """Publishes each image when it is due, while it has subscribers. The server renders all models together.
 
-    Attributes: sent_ns: time of the last image that somebody listened to, int [ns]; -1: there was none.
+    Attributes: sent_ns: time of the last image with a subscriber, int [ns]; -1: there was none.
     """
 
     def open(self) -> None:
@@ -70,7 +70,7 @@ class Cameras(Outlet):
             self.listen(topics.trigger, Empty, lambda _, camera=name: self.world.core.trigger(self._full(camera)))
 
     def _full(self, name: str) -> str:
-        """What the simulator calls a camera of this model."""
+        """Returns the simulator's name of a camera of this model."""
         return "%s::%s" % (self.model.name, name)
 
     def _due_ns(self, name: str) -> int:
@@ -82,7 +82,7 @@ class Cameras(Outlet):
         return min(map(self._due_ns, self._topics), default=NEVER_NS)
 
     def due(self, now_ns: int) -> typing.List[typing.Tuple[str, bool, bool]]:
-        """What World.take_frames is to draw of the cameras whose images are due now."""
+        """Returns the requests to World.take_frames for the images that are due now."""
         due = {name: publishers for name, publishers in self._topics.items() if self._due_ns(name) == now_ns}
         self._due = {name: {kind: each for kind, each in publishers.items() if each.get_num_connections()}
                      for name, publishers in due.items()}
@@ -94,7 +94,7 @@ class Cameras(Outlet):
         return "image" in wanted or ("points" in wanted and depth.colors == name)
 
     def send_images(self, now_ns: int, frames: typing.Dict[str, typing.Any]) -> None:
-        """Publishes what was due. Args: frames: what World.take_frames returned."""
+        """Publishes the due images. Args: frames: result of World.take_frames."""
         for name, wanted in self._due.items():
             if not wanted:
                 continue

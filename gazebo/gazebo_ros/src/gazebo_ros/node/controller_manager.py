@@ -17,7 +17,7 @@ BASE_CLASS = "controller_interface::ControllerBase"
 
 
 class ControllerManager(Outlet):
-    """Answers as controller_manager does: false, with an error in the log, for what cannot be done."""
+    """Answers as controller_manager does: a failed request returns false and logs an error."""
 
     def open(self) -> None:
         self._space = self.model.description.control_namespace
@@ -32,7 +32,7 @@ class ControllerManager(Outlet):
 
     def _serve(self, name: str, kind: typing.Any,
                answer: typing.Callable[[typing.Any], typing.Tuple[typing.Any, ...]]) -> None:
-        """answer(request) returns the response's fields; what the simulator refuses is false."""
+        """Serves answer(request), which returns the response's fields. A rejected request returns false."""
         def respond(request: typing.Any) -> typing.Any:
             try:
                 return kind._response_class(*answer(request))
@@ -101,7 +101,7 @@ class ControllerManager(Outlet):
         self._follow()
 
     def _follow(self) -> None:
-        """Tells the adapters what runs now."""
+        """Informs the adapters about the running controllers."""
         for each in self._loaded():
             adapter = self._adapters[each["name"]]
             runs = each["state"] == "running"
@@ -123,7 +123,7 @@ class ControllerManager(Outlet):
         return types, [BASE_CLASS] * len(types)
 
     def _reload(self, request: typing.Any) -> typing.Tuple[typing.Any, ...]:
-        """There are no libraries: what can be done is to kill all controllers."""
+        """Kills all controllers if asked to; there are no libraries to reload."""
         loaded = self._loaded()
         if loaded and not request.force_kill:
             self._tell("Cannot reload controller libraries because there are still %d controllers running" %

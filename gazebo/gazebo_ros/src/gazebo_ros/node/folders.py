@@ -13,7 +13,7 @@ DOWNLOADED = "~/.gazebo/models"  #: where Gazebo puts models of its database
 
 
 class Folders(NoFolders):
-    """Callable: the folder of a package or model, or None. What was found is remembered.
+    """Callable: the folder of a package or model, or None. Results are cached.
 
     Attributes: environment: mapping of the variables that name folders.
     """

@@ -2,7 +2,7 @@
 import re
 import typing
 
-#: What the simulator says of an element that it does not know.
+#: The simulator's message about an unknown element.
 IGNORED = re.compile(r"^URDF string:\d+: <(?P<tag>[^>]+)>: (?:in <gazebo reference='(?P<gazebo>[^']*)'>: |"
                      r"link '(?P<link>[^']*)': )?ignored$")
 MOST_NAMES = 4  #: of links and joints in a line

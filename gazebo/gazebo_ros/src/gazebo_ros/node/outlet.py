@@ -1,4 +1,4 @@
-"""What the topics of all parts of the world share: their place in the ROS graph, and when they are published."""
+"""Base class of topics of the world: their place in the ROS graph, and their rates."""
 import re
 import typing
 
@@ -28,7 +28,7 @@ class Beat:
         return True
 
 
-#: What no name in ROS may have; roscpp refuses `-` too, rospy warns of it.
+#: Characters that no ROS name may have. roscpp rejects `-` too, rospy warns about it.
 ILLEGAL = re.compile(r"[^A-Za-z0-9_/~-]")
 
 
@@ -37,7 +37,7 @@ class Outlet:
 
     Attributes:
         world: World.  model: Model that it belongs to, if any.  work: Work.
-        rate_hz: how often send() is called while somebody listens; 0: never.
+        rate_hz: rate of send() while there are subscribers; 0: never.
     """
 
     rate_hz = 0.0
@@ -61,7 +61,7 @@ class Outlet:
         return "model '%s'" % self.model.name if self.model is not None else "world"
 
     def _legal(self, name: str) -> str:
-        """A name without what ROS does not allow, with a warning where it is another."""
+        """Returns a name without characters that ROS forbids. Warns if it changes."""
         legal = ILLEGAL.sub("_", name)
         if legal != name:
             rospy.logwarn(told("ros name", self._owner(), "the name '%s'" % name, legal))
@@ -74,7 +74,7 @@ class Outlet:
         return publisher
 
     def listen(self, name: str, kind: typing.Any, react: typing.Callable[[typing.Any], typing.Any]) -> None:
-        """react(message) is called in the world's thread; what it refuses is logged."""
+        """Subscribes react(message), called in the world's thread. Its errors are logged."""
         self._ends.append(rospy.Subscriber(
             self._legal(name), kind, lambda message: self.work.post(lambda: react(message), name)).unregister)
 
@@ -95,7 +95,7 @@ class Outlet:
             end()
         self._ends = []
 
-    # --- what a subclass does of its own
+    # --- to be overridden
 
     def open(self) -> None:
         """Makes its topics."""

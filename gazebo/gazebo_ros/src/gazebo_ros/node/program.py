@@ -12,7 +12,7 @@ from .server import CLOCK_RATE_HZ, Server
 
 #: Of the world that has nothing but the ground and the sun, which Gazebo has under these names.
 EMPTY = ("", "worlds/empty.world", "empty.world")
-NOT_THERE = 255  #: what Gazebo's server returns when there is no such world
+NOT_THERE = 255  #: exit code of Gazebo's server when there is no such world
 
 #: Options that Gazebo's server takes, without and with a value, and that change nothing here.
 FLAGS = ("-r", "--record", "--verbose", "--lockstep", "-q", "--quiet", "--minimal_comms", "--record_resources")
@@ -22,10 +22,11 @@ WITH_VALUE = ("-e", "--physics", "-s", "--server-plugin", "-g", "--gui-plugin", 
 
 
 def parsed(arguments: typing.Sequence[str]) -> typing.Tuple[str, bool, typing.List[str]]:
-    """(world file or "", paused, what is ignored) of a command line."""
+    """Returns (world file or "", paused, ignored arguments) of a command line."""
     parser = argparse.ArgumentParser(prog="gzserver", description="The simulator under the name of Gazebo's server.")
     parser.add_argument("-u", "--pause", action="store_true", help="time stands still at first")
-    parser.add_argument("world", nargs="?", default="", help="a .world file; what is read of it is in from_gazebo.md")
+    parser.add_argument("world", nargs="?", default="",
+                        help="a .world file; docs/from_gazebo_reference.md lists the elements read")
     for option in FLAGS + WITH_VALUE:
         parser.add_argument(option, action="store_true" if option in FLAGS else "store", help="has no effect")
     known, others = parser.parse_known_args(arguments)

@@ -56,7 +56,7 @@ class Server:
         self._pushes = PushesOutlet(self.world, None, self.work)
         self._restart_pace()
 
-    # --- what the services ask for, in the world's thread
+    # --- requests of the services, in the world's thread
 
     def spawn(self, name: str, xml: str, namespace: str, pose: numpy.ndarray, frame: str) -> None:
         """Raises: ModelError."""
@@ -70,7 +70,7 @@ class Server:
             self._welcome(model)
 
     def fill(self, file: WorldFile) -> None:
-        """Puts what a .world file has into the world; what cannot be is warned about. Args: file: WorldFile."""
+        """Adds the content of a .world file to the world. Warns about failing parts. Args: file: WorldFile."""
         self.update_rate_hz = file.update_rate_hz
         warnings = [*file.warnings, *self.world.take_lights(file.lights)]
         for model, X_WM in file.models:
@@ -88,7 +88,7 @@ class Server:
         self._restart_pace()
 
     def _welcome(self, model: Model) -> None:
-        """Gives a new model its topics and services, and says what is ignored of it."""
+        """Creates the topics and services of a new model, and warns about ignored parts."""
         name = model.name
         if model.warnings:
             rospy.logwarn("model '%s':\n  %s" % (name, "\n  ".join(summed_up(model.warnings))))
@@ -101,7 +101,7 @@ class Server:
 
     @staticmethod
     def _opened(owner: str, makers: typing.Iterable[functools.partial]) -> typing.List[Outlet]:
-        """What these functions make; what they cannot is left out, with an error."""
+        """Returns the outlets of these functions. Logs an error for each that fails, and leaves it out."""
         made = []
         for make in makers:
             try:
@@ -111,7 +111,7 @@ class Server:
         return made
 
     def _leave_out(self, outlet: Outlet, error: Exception) -> None:
-        """Closes what a plugin publishes: it cannot go on, the world can."""
+        """Closes the topics of a failed plugin. The world continues."""
         owner = next((each for each in (self._of_world, *self._interfaces.values()) if outlet in each), None)
         if owner is None:
             raise error
@@ -135,12 +135,12 @@ class Server:
             self._asked_s = None
 
     def _held(self) -> bool:
-        """Whether time stands still until somebody answers an image."""
+        """Returns whether time stands still until a client answers an image."""
         if self._asked_s is None:
             return False
         if time.monotonic() - self._asked_s < PATIENCE_S:
             return True
-        rospy.logwarn("lockstep: nobody placed model '%s' within %g s after an image: time goes on" %
+        rospy.logwarn("lockstep: found no set_model_state of model '%s' within %g s after an image: time goes on" %
                       (self._lockstep, PATIENCE_S))
         self._asked_s = None
         return False
@@ -156,7 +156,7 @@ class Server:
         self._restart_pace()
 
     def restore(self, state: bytes) -> None:
-        """Makes the world what it was when the state was saved. Raises: ArasError; nothing changes then."""
+        """Restores a saved state of the world. Raises: ArasError; nothing changes then."""
         before = dict(self.world.models)
         snapshot.restore(self.world, state)
         for name, model in before.items():
@@ -233,7 +233,7 @@ class Server:
             self.work.close()
 
     def _next_stop(self) -> int:
-        """When something is due, or the clock; a whole number of periods."""
+        """Returns the time of the next due message or clock; a whole number of periods."""
         now_ns, period_ns = self.world.time_ns, self.world.period_ns
         due_ns = min((outlet.next_ns for outlet in self._outlets()), default=NEVER_NS)
         clock_ns = (now_ns // self._slice_ns + 1) * self._slice_ns
@@ -241,7 +241,7 @@ class Server:
         return now_ns + ticks * period_ns
 
     def advance(self, target_ns: int) -> None:
-        """Steps to a time and publishes what is due there."""
+        """Steps to a time and publishes the messages due there."""
         try:
             self.world.step((target_ns - self.world.time_ns) // self.world.period_ns)
         except ArasError as error:
@@ -263,7 +263,7 @@ class Server:
             self._asked_s = time.monotonic()
 
     def _take_images(self, cameras: typing.List[Cameras]) -> typing.Dict[str, typing.Any]:
-        """Draws the images of these Cameras that are due. Returns what World.take_frames does."""
+        """Renders the due images of these Cameras. Returns the result of World.take_frames."""
         wanted = [each for outlet in cameras for each in outlet.due(self.world.time_ns)]
         return self.world.core.take_frames(wanted) if wanted else {}
 

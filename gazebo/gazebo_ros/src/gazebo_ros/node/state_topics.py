@@ -1,4 +1,4 @@
-"""The topics /gazebo/model_states and link_states, while somebody listens; /gazebo/set_model_state."""
+"""The topics /gazebo/model_states and link_states, while they have subscribers; /gazebo/set_model_state."""
 import typing
 
 from gazebo_msgs.msg import LinkStates, ModelState, ModelStates

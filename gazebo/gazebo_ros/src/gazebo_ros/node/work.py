@@ -1,4 +1,4 @@
-"""What other threads want of the world, done by the thread that owns it, between two steps."""
+"""Queue of calls from other threads, which the world's thread runs between two steps."""
 import concurrent.futures
 import queue
 import time
@@ -20,11 +20,11 @@ class Work:
         self._queue, self._closed = queue.Queue(), False
 
     def post(self, action: typing.Callable[[], typing.Any], name: str = "") -> None:
-        """Lets action() be called soon; what it returns is lost, and what it raises is logged under this name."""
+        """Schedules action(). Discards its result, and logs its exceptions under this name."""
         self._queue.put((action, name, None))
 
     def call(self, action: typing.Callable[[], typing.Any]) -> typing.Any:
-        """Calls action() in the world's thread and waits. Returns what it returns, raises what it raises."""
+        """Calls action() in the world's thread and waits. Returns its result and raises its exceptions."""
         answer = concurrent.futures.Future()
         self._queue.put((action, "", answer))
         end_s = time.monotonic() + LIMIT_S
@@ -50,7 +50,7 @@ class Work:
             value = action()
             if answer is not None:
                 answer.set_result(value)
-        except Exception as error:  # goes to who asked, or to the log: the world goes on
+        except Exception as error:  # goes to the caller or to the log; the world goes on
             if answer is not None:
                 answer.set_exception(error)
             else:

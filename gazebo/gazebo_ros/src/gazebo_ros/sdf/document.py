@@ -1,4 +1,4 @@
-"""Documents of SDF: what libsdformat makes of them, with what they include, and poses in them."""
+"""Documents of SDF: expansion by libsdformat, includes, and poses."""
 import os
 import typing
 import xml.etree.ElementTree as ElementTree
@@ -15,7 +15,7 @@ def expanded(source: str, is_path: bool, folders: "NoFolders") -> typing.Tuple[E
     """A document in the newest version of SDF, everything that it includes in its place.
 
     Args: source: a path, or the document.  folders: as World has them.
-    Returns: its root element, a list of lines that say what was left out or mended.
+    Returns: its root element, warnings about omitted and repaired parts, one line each.
     Raises: ModelError: no SDF.
     """
     reader = Reader(lambda uri: found(uri, folders))

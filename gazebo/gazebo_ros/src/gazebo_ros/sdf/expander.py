@@ -23,15 +23,15 @@ COUNTS = {"pose": (6, 7), "size": (2, 3), "radius": (1,), "length": (1,), "scale
 #: Counts that one parent narrows.
 OF_PARENT: typing.Dict[typing.Tuple[str, str], typing.Tuple[int, ...]] = {
     ("box", "size"): (3,), ("plane", "size"): (2,), ("link", "gravity"): ()}
-FREE_FORM = ("plugin",)  #: what is in them is the plugin's own
+FREE_FORM = ("plugin",)  #: their content belongs to the plugin
 REQUIRED = {"joint": ("parent", "child")}
 Above = typing.Tuple[ElementTree.Element, ...]
 
 
 def expanded(source: str, is_path: bool, find: Find) -> typing.Tuple[str, typing.List[str]]:
-    """Returns a document in the newest version of SDF with what it includes, and a line for each thing left out.
+    """Returns a document in the newest version of SDF with its includes, and a line for each omitted part.
 
-    Args: source: a path, or the document.  find: path of what a URI names, "" where it is nowhere.
+    Args: source: a path, or the document.  find: returns the path of a URI, "" if there is none.
     Raises: ValueError: no SDF, or one that is too old.
     """
     expander = Expander(find)
@@ -76,7 +76,7 @@ class Expander:
         return root
 
     def _check(self, element: ElementTree.Element, above: Above, path: str) -> None:
-        """Takes out what has not as many numbers as its tag says, and what lacks a part."""
+        """Removes elements with a wrong count of numbers or a missing part."""
         for child in list(element):
             cause = fault_of(child, element)
             if cause:
@@ -187,7 +187,7 @@ def model_file(place: str) -> str:
 
 
 def version_of(text: str) -> typing.Tuple[int, ...]:
-    """Returns the numbers of a version; (0,) of what is none."""
+    """Returns the numbers of a version; (0,) for an invalid one."""
     try:
         return tuple(int(part) for part in text.split("."))
     except ValueError:
@@ -195,7 +195,7 @@ def version_of(text: str) -> typing.Tuple[int, ...]:
 
 
 def fault_of(element: ElementTree.Element, parent: ElementTree.Element) -> str:
-    """Returns what is wrong with an element by itself, "" if nothing."""
+    """Returns the fault of an element by itself, "" if there is none."""
     for tag in REQUIRED.get(element.tag, ()):
         if not (element.findtext(tag) or "").strip():
             return "found no <%s>" % tag
@@ -215,7 +215,7 @@ def is_number(word: str) -> bool:
 
 
 def shown(element: ElementTree.Element, above: Above) -> str:
-    """Returns an element and the names of what it stands in: "model 'a', link 'b': <pose>"."""
+    """Returns an element with the names of its ancestors: "model 'a', link 'b': <pose>"."""
     names = ["%s '%s'" % (each.tag, each.get("name")) for each in above if each.get("name") and each.tag != "world"]
     own = " name='%s'" % element.get("name") if element.get("name") else ""
     return (", ".join(names) + ": " if names else "") + "<%s%s>" % (element.tag, own)

@@ -16,7 +16,7 @@ MODEL = "__model__"
 
 @dataclasses.dataclass(frozen=True)
 class Part:
-    """A link, joint, frame or nested model; names of what is in a nested model begin with its name and ::."""
+    """A link, joint, frame or nested model; names in a nested model begin with its name and ::."""
     name: str
     element: ElementTree.Element
     scope: str  #: "" or the name of the nested model that it is in, with ::
@@ -32,7 +32,7 @@ class Frames:
         self._add(model, "")
 
     def _add(self, model: ElementTree.Element, scope: str) -> None:
-        """In the order of the document, in which sdformat's addNestedModel puts what a model includes."""
+        """Yields in the order of the document, as sdformat's addNestedModel orders the includes of a model."""
         kinds = {"link": self.links, "joint": self.joints, "frame": self._others, "model": self.models}
         for element in model:
             parts = kinds.get(element.tag)
@@ -47,7 +47,7 @@ class Frames:
                 self._add(element, name + "::")
 
     def pose(self, name: str, under: typing.Tuple[str, ...] = ()) -> numpy.ndarray:
-        """X_MA of a link, joint, frame or nested model A, (4, 4). What is not there counts as the model itself."""
+        """Returns X_MA of a link, joint, frame or nested model A, (4, 4). An unknown A counts as the model itself."""
         if name in ("", MODEL):
             return numpy.eye(4)
         if name.endswith("::" + MODEL):
@@ -81,7 +81,7 @@ class Frames:
 
     @staticmethod
     def end(joint: Part, tag: str) -> str:
-        """Name of the link at a joint's <parent> or <child>; "world" is nobody's."""
+        """Name of the link at a joint's <parent> or <child>; "world" belongs to no model."""
         name = (joint.element.findtext(tag) or "").strip()
         return name if name == "world" else joint.scope + name
 

@@ -46,4 +46,4 @@ def without_prefixes(text: str) -> str:
     return PREFIX.sub(r"\1\2_", DECLARATION.sub("", text))
 
 
-REPAIRS = without_comments, without_prefixes  #: of what expat refuses and Gazebo's reader takes
+REPAIRS = without_comments, without_prefixes  #: of documents that expat rejects and Gazebo's reader accepts

@@ -31,7 +31,7 @@ class Material:
     scale: tuple = (1.0, 1.0)   #: width and height of the picture on the surface; below 1 it repeats
     scroll: tuple = (0.0, 0.0)  #: shares of the picture by which it lies further left and further up
     rotate: float = 0.0         #: degrees, about the middle of the picture
-    address: str = "wrap"       #: what lies beyond the picture's edges
+    address: str = "wrap"       #: behaviour beyond the picture's edges
     lit: bool = True      #: False: drawn in its own colour, without light and shadow
     ignored: tuple = ()   #: keywords
 
@@ -73,7 +73,7 @@ def read_script(text: str) -> typing.Dict[str, Material]:
 
 
 def lines_of(text: str) -> typing.Iterator[str]:
-    """Lines that say something, a brace on a line of its own."""
+    """Yields the non-empty lines, a brace on a line of its own."""
     for line in text.splitlines():
         for part in re.split(r"([{}])", line.partition("//")[0]):
             if part.strip():
@@ -81,7 +81,7 @@ def lines_of(text: str) -> typing.Iterator[str]:
 
 
 def told(material: Material, keyword: str, words: typing.List[str]) -> Material:
-    """The material with what a line says of it."""
+    """Returns the material with the setting of a line."""
     if keyword in COLORS:
         numbers = [each for each in map(number_of, words[:4])]
         count = 3 if keyword == "specular" and len(words) == 4 else len(words)  # its last number is the shininess
@@ -113,7 +113,7 @@ def number_of(word: str) -> typing.Optional[float]:
 
 
 def resolve_scripts(robot: ElementTree.Element, folders: NoFolders, warnings: typing.List[str]) -> None:
-    """Puts what scripts say in the place of their names, in the <gazebo> tags of a URDF.
+    """Replaces the names of material scripts by their content, in the <gazebo> tags of a URDF.
 
     Args:
         robot: root element.  folders: as World has them.  warnings: gets a line for each material of which something
@@ -153,7 +153,7 @@ def resolve_scripts(robot: ElementTree.Element, folders: NoFolders, warnings: ty
 
 
 def light_of_its_own(material: ElementTree.Element, name: str) -> typing.List[str]:
-    """Turns <emissive> of a material with a picture into what Gazebo draws. Returns warnings.
+    """Converts <emissive> of a material with a picture to Gazebo's result. Returns warnings.
 
     Gazebo multiplies the picture by the sum of all light that it gets and gives, 1 at most. A picture that gives 1 of
     every colour is therefore drawn in its own colours, in light and shadow. The simulator would add to the picture.
@@ -223,13 +223,13 @@ def set_picture(robot: ElementTree.Element, link: typing.Optional[str], visual: 
 
 
 def painted(xml: str, folders: NoFolders) -> typing.Tuple[str, typing.List[str]]:
-    """A URDF with what scripts of materials say in their place, and a list of what is ignored of them."""
+    """Returns a URDF with the content of its material scripts, and a list of their ignored parts."""
     if "<script" not in xml:
         return xml, []
     try:
         robot = ElementTree.fromstring(xml)
     except ElementTree.ParseError:
-        return xml, []  # who reads it says what is wrong
+        return xml, []  # the reader reports the fault
     warnings = []
     resolve_scripts(robot, folders, warnings)
     return ElementTree.tostring(robot, encoding="unicode"), warnings

@@ -1,4 +1,4 @@
-"""Documents of SDF as libsdformat reads them: what it refuses as a whole document is mended or taken out, by name.
+"""Repairs documents of SDF for libsdformat: parts that it rejects are repaired or removed, by name.
 
 libsdformat says in which line the element is that it refuses. Each element is on a line of its own here, so that the
 line tells the element.
@@ -44,17 +44,17 @@ class Reader:
     """
 
     def __init__(self, find: Find) -> None:
-        """Args: find: path of what a URI names, "" where it is nowhere."""
+        """Args: find: returns the path of a URI, "" if there is none."""
         self.warnings: typing.List[str] = []
         self._find, self._folder = find, ""
         self._texts: typing.Dict[str, str] = {}   # of files that are included, as libsdformat reads them
         self._copies: typing.Dict[str, str] = {}  # of folders
-        self._places: typing.Dict[str, str] = {}  # where the copies are -> what they are of
+        self._places: typing.Dict[str, str] = {}  # place of a copy -> its original
 
     def expanded(self, source: str, is_path: bool) -> ElementTree.Element:
-        """Returns the root of a document in the newest version of SDF, with what it includes in its place.
+        """Returns the root of a document in the newest version of SDF, with its includes in place.
 
-        Raises: ModelError: names the file, where there is one, and what is wrong with it.
+        Raises: ModelError: names the file, if there is one, and its fault.
         """
         with tempfile.TemporaryDirectory(prefix="gazebo_ros_") as folder:
             self._folder = folder
@@ -66,7 +66,7 @@ class Reader:
         return parsed(text.replace(STAND_IN, SCOPE))
 
     def _read(self, path: str, text: typing.Optional[str]) -> typing.Tuple[str, typing.Tuple[str, typing.List[str]]]:
-        """Returns the text that libsdformat reads, and what it gives: the expanded text and its messages.
+        """Returns the text for libsdformat, and its results: the expanded text and its messages.
 
         Args: path: "" for none.  text: None: of the file.
         """
@@ -110,7 +110,7 @@ class Reader:
     # --- files
 
     def _located(self, uri: str) -> str:
-        """The path of what a URI names; of a folder with files that were mended, a copy with these."""
+        """Returns the path of a URI; for a folder with repaired files, a copy with these."""
         path = self._find(uri)
         if not os.path.isdir(path):
             return path
@@ -131,7 +131,7 @@ class Reader:
         return os.path.join(self._copy_folder(folder, {name: text}), name)
 
     def _copy_folder(self, folder: str, texts: typing.Dict[str, str]) -> str:
-        """A folder of links to what is in another one, and of files with these texts in place of those there."""
+        """Creates a folder of links to the content of another one, with these texts in place of its files."""
         made = tempfile.mkdtemp(dir=self._folder)
         self._places[made] = folder
         for each in os.listdir(folder):
@@ -148,7 +148,7 @@ class Reader:
                 return original + path[len(place):]
         return path
 
-    # --- what can be said without libsdformat
+    # --- checks without libsdformat
 
     def _tidy(self, text: str, name: str) -> str:
         """Returns the same text, or one with the version, the names and the times that libsdformat wants.
@@ -227,7 +227,7 @@ def refused(name: str, cause: str) -> ModelError:
 
 
 def shown(element: ElementTree.Element, *above: ElementTree.Element) -> str:
-    """Returns an element and what it stands in, for a warning: "model 'a', link 'b': <pose>".
+    """Returns an element with its ancestors, for a warning: "model 'a', link 'b': <pose>".
 
     Args: above: its ancestors, the nearest first.
     """

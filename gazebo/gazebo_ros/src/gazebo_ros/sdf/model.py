@@ -1,4 +1,4 @@
-"""A model of SDF as the URDF that the simulator reads, with what SDF says besides in <gazebo> tags."""
+"""A model of SDF as a URDF for the simulator, with the other properties in <gazebo> tags."""
 import copy
 import dataclasses
 import typing
@@ -21,7 +21,7 @@ FARTHEST_M = 1e4             #: of joints that slide without a limit
 STRONGEST, FASTEST = 1e6, 1e3  #: of joints that limit neither effort [N or N m] nor speed [m/s or rad/s]
 SLAB_M = 0.01                #: thickness of the box that shows a plane
 MOVING = ("revolute", "prismatic", "continuous")
-#: Of a link and a model: what is used, and what changes nothing here.
+#: Tags of a link and a model that are used, or have no effect here.
 LINK_TAGS = {"pose", "inertial", "collision", "visual", "sensor", "light", "gravity", "self_collide", "kinematic",
              "velocity_decay", "must_be_base_link", "enable_wind", "projector", "audio_sink", "audio_source"}
 MODEL_TAGS = {"pose", "link", "joint", "frame", "model", "plugin", "static", "self_collide", "allow_auto_disable",
@@ -37,7 +37,7 @@ class SdfModel:
         pose: its <pose>, (4, 4).
         X_MR: root link in the model's frame, (4, 4).
         planes: X_MP of the planes that it can be touched at, z their normal, each (4, 4).
-        warnings: what is ignored, a line each.
+        warnings: about ignored parts, a line each.
     """
     name: str
     urdf: str
@@ -127,7 +127,7 @@ class Writer:
     # --- joints
 
     def _joints(self) -> typing.Dict[str, Part]:
-        """dict of child link -> the joint that it hangs from; what cannot be is warned about."""
+        """Returns dict of child link -> its joint. Warns about impossible joints."""
         links, joints = self._frames.links, {}
         for joint in self._frames.joints.values():
             parent, child = self._frames.end(joint, "parent"), self._frames.end(joint, "child")
@@ -294,7 +294,7 @@ class Writer:
 
 
 def plain(element: ElementTree.Element) -> ElementTree.Element:
-    """A sensor or light without what libsdformat adds that says nothing."""
+    """Returns a sensor or light without the redundant elements that libsdformat adds."""
     element = copy.deepcopy(element)
     for child in list(element):
         if (child.text or "").strip() == "__default__":

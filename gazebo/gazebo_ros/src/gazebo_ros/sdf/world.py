@@ -1,4 +1,4 @@
-"""What a .world file says: physics, light, and the models that are there at first."""
+"""Reads .world files: physics, lights, and the initial models."""
 import dataclasses
 import typing
 import xml.etree.ElementTree as ElementTree
@@ -14,16 +14,16 @@ from ..world.settings import WorldSettings
 from .document import NoFolders, expanded, number, numbers, pose_of
 from .model import SdfModel, model_of
 
-#: What a world may have that changes nothing here.
+#: Elements of a world without effect here.
 QUIET = {"name", "include", "model", "light", "physics", "gravity", "scene", "gui", "state", "magnetic_field",
          "atmosphere", "wind", "spherical_coordinates", "audio", "frame"}
 GROUND = "ground_plane"
-#: What Gazebo's worlds/empty.world has.
+#: Content of Gazebo's worlds/empty.world.
 EMPTY_WORLD = """<sdf version="1.6"><world name="default">
   <include><uri>model://ground_plane</uri></include><include><uri>model://sun</uri></include></world></sdf>"""
 PERIODS_S = 1e-6, 0.1   #: the shortest and the longest step of the simulator
 MOST_GRAVITY = 1000.0   #: [m/s^2]
-PLANE_TOLERANCE = 1e-6  #: of a plane's normal and height, beside what six decimals of a file round
+PLANE_TOLERANCE = 1e-6  #: of a plane's normal and height, above the rounding of six decimals
 
 
 @dataclasses.dataclass(frozen=True)
@@ -35,8 +35,8 @@ class WorldFile:
         models: SdfModel with the X_WM of each, (4, 4), in the order of the file, without the ground plane.
         ground_at: number of models before the ground plane.
         lights: text of <light> by name.
-        warnings: what is ignored, a line each.
-        devices: what plugins of the world do, of world/plugins.
+        warnings: about ignored parts, a line each.
+        devices: plugins of the world, of world/plugins.
     """
     settings: WorldSettings
     update_rate_hz: float
@@ -89,7 +89,7 @@ def read_world(source: str, is_path: bool, folders: NoFolders) -> WorldFile:
 
 
 def world_device(plugin: ElementTree.Element, warnings: typing.List[str]) -> typing.List[Device]:
-    """What a plugin of the world does, in a list: [] and a warning where it does nothing."""
+    """Returns the device of a plugin of the world in a list: [] and a warning if it is not simulated."""
     try:
         device = read_world_device(plugin)
     except ValueError as error:

@@ -1,1 +1,1 @@
-"""What is read of, and changed in, the text of a URDF. No ROS."""
+"""Reads and changes the text of a URDF. No ROS."""

@@ -16,7 +16,7 @@ LARGEST_SCALE = 1e6
 HEAVIEST, STIFFEST = 1e9, 1e12  #: [kg], [kg m^2]
 LARGEST_DAMPING = 1e9
 LARGEST_FACTOR = 1e6      #: of a mimic
-WRITTEN_DIGITS = 1e-3     #: a part of the largest moment of inertia: what the digits of a file round
+WRITTEN_DIGITS = 1e-3     #: a part of the largest moment of inertia: rounding of the digits of a file
 TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating")
 BOUNDED = ("revolute", "prismatic")
 SIZES = {"box": (("size", 3),), "cylinder": (("radius", 1), ("length", 1)), "sphere": (("radius", 1),), "mesh": ()}
@@ -41,7 +41,7 @@ def number_in(element: ElementTree.Element, key: str, most: float = math.inf) ->
 
 
 def mend(robot: ElementTree.Element, warnings: Warnings) -> None:
-    """Mends what stands in the links and joints of a URDF whose tree was checked.
+    """Repairs the links and joints of a URDF whose tree was checked.
 
     Args: robot: root element, changed.  warnings: gets a line for each fault.
     """
@@ -152,7 +152,7 @@ def _drop_massless(robot: ElementTree.Element, warnings: Warnings) -> None:
         below = tree.below(link)
         if any(masses[each] > 0.0 for each in below):
             continue
-        found = "no mass" + (", nor has what hangs from it (%s)" % ", ".join(below[1:]) if below[1:] else "")
+        found = "no mass" + (", nor have its children (%s)" % ", ".join(below[1:]) if below[1:] else "")
         warnings.append(told("massless", "link '%s' at joint '%s'" % (link, joint.get("name")), found))
         gone.update(below)
     drop_links(robot, gone)
@@ -290,7 +290,7 @@ def _free(joint: ElementTree.Element, limit: ElementTree.Element) -> None:
 
 
 def _safety_fault(safety: ElementTree.Element) -> str:
-    """Returns what the simulator refuses of it, "" for nothing."""
+    """Returns the reason why the simulator rejects it, "" if it accepts it."""
     values = {}
     for key in ("k_velocity", "k_position", "soft_lower_limit", "soft_upper_limit"):
         value = number_in(safety, key) if safety.get(key) is not None else None if key == "k_velocity" else 0.0
@@ -332,7 +332,7 @@ def _mend_mimics(robot: ElementTree.Element, warnings: Warnings) -> None:
 
 def _mimic_fault(joint: ElementTree.Element, mimic: ElementTree.Element,
                  joints: typing.Dict[str, ElementTree.Element]) -> str:
-    """Returns what the simulator refuses of it, "" for nothing."""
+    """Returns the reason why the simulator rejects it, "" if it accepts it."""
     name = mimic.get("joint")
     if name is None or name not in joints:
         return "the joint '%s', which is not there" % (name or "")

@@ -1,7 +1,7 @@
-"""A URDF without the parts that the simulator refuses: it is asked part by part, in documents of one link or joint.
+"""Removes the parts of a URDF that the simulator rejects. It checks documents of one link or joint each.
 
-That is for what only the simulator knows, such as a mesh that cannot be read. It costs nothing where nothing is
-refused, because nobody asks then.
+This finds faults that only the simulator detects, such as an unreadable mesh. A URDF that the simulator accepts as a
+whole needs no such checks.
 """
 import copy
 import typing
@@ -12,7 +12,7 @@ from .mend import MOMENTS, Warnings, hold
 from .plain_mesh import plain_copy
 
 SCHEME = "file://"
-WHITE = "1 1 1 1"  #: what has no material
+WHITE = "1 1 1 1"  #: visuals without a material
 BALL_M = 0.01  #: radius of the ball whose inertia stands for none
 #: Asks the simulator: what it says of a document, "" where it takes it. The second is whether it is the whole model,
 #: else it is a part of it, whose root has a mass.
@@ -22,9 +22,9 @@ Ask = typing.Callable[[ElementTree.Element, bool], str]
 def without_refused(robot: ElementTree.Element, ask: Ask) -> typing.Tuple[ElementTree.Element, Warnings]:
     """Returns a copy of a URDF without the parts that the simulator refuses, and a line for each of them.
 
-    The copy may still be refused, for what no part alone is to blame for.
+    The copy may still be rejected, for a fault that no single part causes.
 
-    Args: robot: root element, whose tree was checked.  ask: returns what is wrong with a document, "" for nothing.
+    Args: robot: root element, whose tree was checked.  ask: returns the fault of a document, "" if there is none.
     """
     mended = copy.deepcopy(robot)
     warnings: Warnings = []
@@ -43,7 +43,7 @@ def without_refused(robot: ElementTree.Element, ask: Ask) -> typing.Tuple[Elemen
 
 
 def cause(fault: str, what: str) -> str:
-    """Returns what the simulator says of a part, without the name that the line about it begins with."""
+    """Returns the simulator's message about a part, without the leading name."""
     return fault.replace(what + ": ", "", 1)
 
 
@@ -103,7 +103,7 @@ def _without_pictures(part: ElementTree.Element) -> typing.Optional[ElementTree.
 
 
 def _ask_tags(robot: ElementTree.Element, gazebo: ElementTree.Element, ask: Ask, warnings: Warnings) -> None:
-    """Asks about each child of a <gazebo> tag, which says something about a link."""
+    """Checks each child of a <gazebo> tag of a link."""
     reference = gazebo.get("reference", "")
     link = next((each for each in robot.findall("link") if each.get("name") == reference), None)
     if link is None:

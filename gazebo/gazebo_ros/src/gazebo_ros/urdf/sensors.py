@@ -1,4 +1,4 @@
-"""Camera sensors of a URDF as SDF describes them: what is missing gets SDF's defaults, what is wrong too."""
+"""Camera sensors of a URDF in SDF's form: missing and invalid values get SDF's defaults."""
 import math
 import typing
 import xml.etree.ElementTree as ElementTree
@@ -23,7 +23,7 @@ YES_OR_NO = ("true", "True", "1", "false", "False", "0")
 LARGEST_RATE_HZ = 1e6
 THROTTLED = "libgazebo_ros_camera.so"  #: the plugin whose <updateRate> leaves images out
 LARGEST_NOISE = 1.0   #: of intensities 0 .. 1
-LARGEST_VALUE = 1e6   #: of what a plugin says
+LARGEST_VALUE = 1e6   #: of a plugin's value
 
 
 def is_camera(sensor: ElementTree.Element) -> bool:
@@ -32,7 +32,7 @@ def is_camera(sensor: ElementTree.Element) -> bool:
 
 
 def mend_sensors(robot: ElementTree.Element, warnings: Warnings) -> None:
-    """Gives cameras SDF's defaults where their tags say nothing, or what no camera can have.
+    """Sets missing and invalid values of cameras to SDF's defaults.
 
     Args: robot: root element, changed.  warnings: gets a line for each fault.
     """

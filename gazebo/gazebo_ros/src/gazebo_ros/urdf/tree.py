@@ -1,4 +1,4 @@
-"""The tree of links and joints of a URDF: what urdfdom refuses of it, and what hangs from what."""
+"""The tree of links and joints of a URDF: urdfdom's checks, parents and children."""
 import typing
 import xml.etree.ElementTree as ElementTree
 
@@ -13,9 +13,9 @@ PRESERVED = ("preserveFixedJoint", "disableFixedJointLumping")
 
 
 def check_tree(robot: ElementTree.Element) -> None:
-    """Checks what urdfdom, and so Gazebo, refuses a whole robot for: names, and links that do not make one tree.
+    """Checks the rules by which urdfdom, and so Gazebo, rejects a whole robot: names, and links that form no tree.
 
-    Raises: ModelError: names the first link or joint, what was found and what is allowed.
+    Raises: ModelError: names the first link or joint, the value found and the allowed ones.
     """
     links = names_of(robot, "link")
     names_of(robot, "joint")
@@ -76,7 +76,7 @@ def link_of(joint: ElementTree.Element, tag: str) -> str:
 
 
 class Tree:
-    """Links and joints by what hangs from what; the tree was checked."""
+    """Links and joints by parent and child; the tree was checked."""
 
     def __init__(self, robot: ElementTree.Element) -> None:
         self.joints = {link_of(joint, "child"): joint for joint in robot.findall("joint")}  #: by child link

@@ -11,7 +11,7 @@ KNOWN = {"link", "joint", "gazebo", "transmission", "material", "sensor", "model
 
 def require_expanded(robot: ElementTree.Element) -> None:
     """Raises: ModelError: the document has tags of xacro, or joints of links that are not there beside unknown tags,
-    which is what macros leave that were called without their prefix."""
+    the remains of macros called without their prefix."""
     tags = [each.tag for each in robot.iter() if isinstance(each.tag, str) and each.tag.startswith(XACRO)]
     if tags:
         raise ModelError("SpawnModel: Failure - found <xacro:%s>, allowed is a URDF: the document is a xacro file, "

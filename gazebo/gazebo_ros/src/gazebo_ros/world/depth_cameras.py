@@ -1,7 +1,7 @@
 """Plugins of cameras that see depth, read with their keys and defaults: that of Intel's RealSense, which looks for
 four sensors of its model by their names, and those of a Kinect, which stand in a sensor of type depth.
 
-What they publish was read from gazebo_ros_realsense.cpp of pal-robotics/realsense_gazebo_plugin, and from
+Their messages follow gazebo_ros_realsense.cpp of pal-robotics/realsense_gazebo_plugin, and from
 gazebo_ros_openni_kinect.cpp and gazebo_ros_depth_camera.cpp of ros-simulation/gazebo_ros_pkgs.
 """
 import dataclasses
@@ -32,7 +32,7 @@ KINECT_KEYS = ("depthImageTopicName", "depthImageCameraInfoTopicName", "pointClo
 
 @dataclasses.dataclass(frozen=True)
 class Depth:
-    """What is published of a camera's depth. Topics are full names.
+    """Topics of a camera's depth. Topics are full names.
 
     Attributes:
         image, info, points: topics; points is "" for none.

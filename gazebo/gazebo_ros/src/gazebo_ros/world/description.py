@@ -1,4 +1,4 @@
-"""What a URDF says to Gazebo besides what it says to everybody: namespaces of plugins, whether the model is free."""
+"""The <gazebo> tags of a URDF: namespaces of plugins, and whether the model is free."""
 import dataclasses
 import re
 import typing
@@ -32,23 +32,23 @@ MOST_FRICTION = 1000.0  #: that the simulator takes
 @dataclasses.dataclass(frozen=True)
 class Description:
     """A model as it is to be simulated."""
-    urdf: str               #: what the simulator reads
+    urdf: str               #: text for the simulator
     fixed: bool             #: held in the world, else free
     control_namespace: str  #: where its controller manager is, "" for none
     cameras: dict           #: name of the camera -> CameraTopics
     collides: bool          #: some link has a shape to collide with
-    actuated: tuple         #: joints with a <transmission>, sorted: what hardware_interface knows
+    actuated: tuple         #: joints with a <transmission>, sorted: those of hardware_interface
     joint_types: dict       #: of the joints that move, as gazebo_msgs/GetJointProperties numbers them
     weightless: bool        #: every link that has a mass says that gravity does not act on it
     lifted: frozenset       #: else the links that say so
     parents: dict           #: joint -> parent link
     children: dict          #: joint -> child link
-    devices: tuple          #: of world/devices.py: what plugins besides cameras and ros_control do
+    devices: tuple          #: of world/devices.py: plugins other than cameras and ros_control
     frictions: dict         #: link -> coefficient of friction, mu1 of its <gazebo>
     self_collides: frozenset  #: links that touch others of the model that do so too
     retros: dict            #: link -> laserRetro of its <gazebo>, the intensity that lasers see
     bodies: tuple           #: the links that Gazebo has, in its order: those that no fixed joint puts into another
-    warnings: tuple         #: what is ignored, a line each
+    warnings: tuple         #: about ignored parts, a line each
 
     @property
     def jointed(self) -> bool:
@@ -97,7 +97,7 @@ def read_description(xml: str, namespace: str, model: str) -> Description:
     control, devices = "", []
     cameras = cameras_of(robot, namespace, model, warnings)
     for gazebo, plugin in [(each, plugin) for each in robot.findall("gazebo") for plugin in each.findall("plugin")]:
-        gazebo.remove(plugin)  # the simulator would warn of what is used here
+        gazebo.remove(plugin)  # the simulator would warn about it, although it is used here
         file = plugin.get("filename", "")
         device = read_device(robot, plugin, None, "", namespace_of(plugin, namespace, model), warnings)
         if CONTROL in file:
@@ -161,8 +161,7 @@ def is_true(words: str) -> bool:
 
 def numbers_of(entries: typing.Iterable[typing.Tuple[typing.Optional[str], str]], links: typing.Set[str], fault: str,
                warnings: typing.List[str]) -> typing.Dict[str, float]:
-    """dict of link -> the first number >= 0 that is said of it. Args: fault: key of what else is said, for a warning.
-    """
+    """Returns dict of link -> its first number >= 0. Args: fault: key of FAULTS for the warning about other values."""
     found = {}
     for link, words in entries:
         try:
@@ -218,7 +217,7 @@ def not_simulated(sensor: ElementTree.Element, plugin: ElementTree.Element) -> s
 
 
 def drop_strangers(robot: ElementTree.Element) -> typing.List[str]:
-    """Takes out what refers to links and joints that are not there, as Gazebo does. Returns a line for each."""
+    """Removes references to missing links and joints, as Gazebo does. Returns a line for each."""
     known = {each.get("name") for each in robot if each.tag in ("link", "joint")}
     warnings = []
     for gazebo in robot.findall("gazebo"):

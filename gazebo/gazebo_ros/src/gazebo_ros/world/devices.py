@@ -1,4 +1,4 @@
-"""What plugins of a URDF besides cameras and ros_control do, read with Gazebo's keys and defaults: one class a kind."""
+"""Plugins of a URDF other than cameras and ros_control, with Gazebo's keys and defaults: one class per kind."""
 import dataclasses
 import math
 import typing
@@ -47,7 +47,7 @@ def is_read(file: str) -> bool:
 
 
 def read_world_device(plugin: ElementTree.Element) -> typing.Optional["Device"]:
-    """Returns what a plugin of a world does, a Device, or None: it is not simulated. Raises: ValueError."""
+    """Returns the Device of a plugin of a world, or None: it is not simulated. Raises: ValueError."""
     reader = _OF_WORLD.get(file_of(plugin))
     return None if reader is None else reader(plugin)
 
@@ -84,7 +84,7 @@ def read_device(robot: ElementTree.Element, plugin: ElementTree.Element, sensor:
 
 
 class Device:
-    """Base class of what plugins do."""
+    """Base class of simulated plugins."""
 
     rate_hz: float     #: how often it acts or is published; 0: as often as possible
     torque_n_m: float  #: of its motors, where it has any
@@ -136,7 +136,7 @@ class Imu(Device):
     topic: str
     frame: str
     rate_hz: float
-    noise: float        #: standard deviation of what is measured [rad/s, m/s^2]
+    noise: float        #: standard deviation of the measurement [rad/s, m/s^2]
     service: str = ""   #: which says that it is calibrated, "" for none
 
     def links(self) -> typing.Tuple[str, ...]:

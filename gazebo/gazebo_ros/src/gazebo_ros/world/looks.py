@@ -1,4 +1,4 @@
-"""What Gazebo makes of the visuals of a URDF."""
+"""Applies Gazebo's rules to the visuals of a URDF."""
 import os
 import typing
 import xml.etree.ElementTree as ElementTree
@@ -36,7 +36,7 @@ def drop_missing_meshes(robot: ElementTree.Element) -> typing.List[str]:
             mesh = part.find("geometry/mesh")
             name = "" if mesh is None else mesh.get("filename", "")
             if not name.startswith(("file://", "/", "package://", "model://")):
-                continue  # nobody can say where a relative name begins: the simulator refuses it
+                continue  # a relative name has no base folder: the simulator rejects it
             if not os.path.isfile(name.replace("file://", "", 1)):
                 link.remove(part)
                 missing.setdefault(name, []).append(link.get("name"))

@@ -19,7 +19,7 @@ from .settings import GROUND_FRICTION, WorldSettings, world_of
 
 Config = typing.Dict[str, typing.Any]  #: a section of the simulator's configuration
 Pairs = typing.List[typing.List[str]]  #: of links
-#: Ends what the simulator says of any model that has shapes to collide with: here they do.
+#: Suffix of the simulator's warning about collision shapes. It is wrong here: in this world they act.
 OF_COLLISIONS = "<collision> shapes count only for what sim/contacts names"
 
 
@@ -46,7 +46,7 @@ class Model:
         Args:
             core: aras_visual_servo_sim.World, which gets the model.
             pose: X_WM, (4, 4).  X_MR: root link in the model's frame, (4, 4).
-            warnings: lines of what was ignored before.
+            warnings: lines about parts that were ignored before.
         Raises: ModelError: everything that is wrong with the URDF.
         """
         self.name, self.namespace, self._X_MR = name, namespace, X_MR
@@ -85,7 +85,7 @@ class Model:
         self.push(*self._outside)
 
     def _take_tree(self, robot: ElementTree.Element) -> None:
-        """Takes over what the simulator reads, an element."""
+        """Sets the element for the simulator."""
         self._tree = robot
         self.links = [link.get("name") for link in self._tree.findall("link")
                       if link.get("name") != "world" and not link.get("name").endswith(JOINT_FRAME)]
@@ -96,7 +96,7 @@ class Model:
         return [link for link in self.description.bodies if link in self.links]
 
     def _leave_out_parts(self, ask: Ask, config: Config) -> None:
-        """Leaves out of the description what the simulator refuses. Args: ask: of it, with this configuration."""
+        """Removes parts that the simulator rejects. Args: ask: checks them, with this configuration."""
         robot, warnings = without_refused(self._tree, ask)
         self._partial = True
         self._said += warnings
@@ -110,7 +110,7 @@ class Model:
             config.pop("contacts", None)
 
     def _lift(self) -> None:
-        """Lets what holds the links up that gravity does not act on act from now on."""
+        """Applies the forces that cancel the weight of links without gravity, from now on."""
         self._lifts = {link: (*(-self.properties_of(link).mass_kg * self._gravity), 0.0, 0.0, 0.0)
                        for link in self.links if link in self.description.lifted}
         if self._lifts:
@@ -128,13 +128,13 @@ class Model:
     def renew(self, core: CoreWorld, xml: str, gravity_m_s2: typing.Sequence[float]) -> None:
         """Gives the model another document of the same links and joints, and gravity; its state stays.
 
-        Raises: ArasError: what is wrong with the document, or it cannot be in this state.
+        Raises: ArasError: a fault of the document, or it cannot be in this state.
         """
         before = dict(vars(self))
         try:
             self._describe(xml, gravity_m_s2)
             mended = [each for each in self.description.warnings if each not in before["description"].warnings]
-            if mended:  # who spawns a model may be wrong, who changes a property may not
+            if mended:  # spawning repairs faults, changing a property rejects them
                 raise ModelError("; ".join(mended))
             if self._partial:
                 self._leave_out_parts(asker(self._config(IDENTITY, 1e-9 * core.period_ns)), {})
@@ -191,7 +191,7 @@ class Model:
         return [pair for pair in pairs if pair not in without]
 
     def load_controller(self, name: str, parameters: Config, kind: str = "") -> typing.List[str]:
-        """Loads a controller, which is called one of this kind. Returns lines of what is ignored. Raises: ArasError."""
+        """Loads a controller, listed as type `kind`. Returns lines about ignored keys. Raises: ArasError."""
         warnings = self.simulation.load_controller(name, parameters)
         self.loaded[name] = [parameters, kind or parameters["type"]]
         return warnings
@@ -272,7 +272,7 @@ class Model:
         """Places joints, dict of name -> [m or rad], at rest. Raises: ArasError."""
         self.simulation.set_joint_positions(positions)
 
-    # --- what stands in the description
+    # --- the description
 
     def properties_of(self, link: str) -> LinkProperties:
         """LinkProperties of a link."""
@@ -298,7 +298,7 @@ class Model:
 
 
 def asker(config: Config) -> Ask:
-    """What parts.Ask is; the simulator is asked in a world of its own. Args: config: of the whole model."""
+    """Implements parts.Ask with the simulator in a separate world. Args: config: of the whole model."""
     contacts = {key: value for key, value in config.get("contacts", {}).items() if key == "friction"}
 
     def ask(robot: ElementTree.Element, whole: bool) -> str:

@@ -1,4 +1,4 @@
-"""Wrenches on links and efforts on joints that somebody asked for, each from its beginning to its end."""
+"""Requested wrenches on links and efforts on joints, each from its start to its end."""
 import collections
 import dataclasses
 import typing
@@ -66,7 +66,7 @@ class Pushes:
     _acted_ns = -1
 
     def act(self, now_ns: int) -> None:
-        """To be called at every stop of the world: what pushes now pushes until the next."""
+        """Applies the current pushes until the next call. Call it at every stop of the world."""
         self._acted_ns = now_ns
         self._pushes = [push for push in self._pushes if push.end_ns > now_ns]
         links, joints = collections.defaultdict(dict), collections.defaultdict(dict)

@@ -7,10 +7,10 @@ import numpy
 from aras_visual_servo_sim import ArasError, ModelError, World, light_entry
 
 
-#: The light of a world that names none, model://sun: what the simulator has with `compatibility: gazebo`.
+#: Light of a world without lights, model://sun: the simulator's light with `compatibility: gazebo`.
 SUN = {"name": "sun", "type": "directional", "direction": [-0.5, 0.5, -1.0], "color_rgb": [204.0] * 3,
        "specular_rgb": [25.5] * 3, "casts_shadows": True}
-#: What cameras see of Gazebo's ground plane: 100 m wide, of its material Gazebo/Grey, which casts no shadow.
+#: Visual of Gazebo's ground plane: 100 m wide, material Gazebo/Grey, no shadow.
 GROUND_PLANE = {"name": "ground_plane", "box_m": [100.0, 100.0, 0.01], "position_m": [0.0, 0.0, -0.005],
                 "color_rgb": [178.5] * 3,
                 "material": {"ambient_share": 0.3 / 0.7, "specular_rgb": [2.55] * 3, "shininess": 1.5,
@@ -54,7 +54,7 @@ def light_of(name: str, xml: str, pose: numpy.ndarray) -> typing.Dict[str, typin
     """Entry of the simulator's sim.scene.lighting.lights.
 
     Args: xml: <light> of SDF.  pose: (4, 4), of the frame that the element stands in.
-    Raises: ModelError: what is wrong with the text.
+    Raises: ModelError: a fault of the text.
     """
     try:
         entry = {**light_entry(xml), "name": name}

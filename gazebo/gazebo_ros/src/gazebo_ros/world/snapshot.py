@@ -18,7 +18,7 @@ FORMAT = "state of a world, 4"
 
 
 def listed(spawned: typing.Tuple[typing.Any, ...]) -> typing.List[typing.Any]:
-    """What Model.spawned has, as JSON has it."""
+    """Returns Model.spawned in JSON types."""
     return [part.tolist() if isinstance(part, numpy.ndarray) else list(part) if isinstance(part, tuple) else part
             for part in spawned]
 
@@ -38,7 +38,7 @@ def digest(world: "World") -> str:
 
 
 def restore(world: "World", state: bytes) -> None:
-    """Makes a world what it was, controllers of its models included. Models that are not there are spawned anew.
+    """Restores a world with the controllers of its models. Spawns missing models.
 
     Raises: ParameterError: no such state; nothing changes then.  ModelError: files that are gone.
     """
@@ -68,7 +68,7 @@ def restore(world: "World", state: bytes) -> None:
     for entry in record["models"]:
         name = entry["spawned"][0]
         if there.get(name) == entry["spawned"] and models[name] is not world.models[name]:
-            vars(world.models[name]).update(vars(models[name]))  # who knows the model goes on knowing it
+            vars(world.models[name]).update(vars(models[name]))  # existing references to the model stay valid
             models[name] = world.models[name]
         models[name].loaded = entry["loaded"]
     world.take(core, record["epoch_ns"], settings, models, record["pushes"])

@@ -57,7 +57,7 @@ class World:
         self.pushes = Pushes(self.models)
         self._folders = folders
         self.before_ground = set()  #: names of the models that were there before the ground plane
-        self.epoch_ns = 0  #: time of tick 0: when the period became what it is, int [ns]
+        self.epoch_ns = 0  #: time of tick 0: start of the current period, int [ns]
 
     @property
     def period_ns(self) -> int:
@@ -144,7 +144,7 @@ class World:
             xml: a URDF document.  namespace: of its plugins.  pose: (4, 4), in the frame.
             frame: "" or world, or MODEL or MODEL::LINK.
         Returns: Model
-        Raises: ModelError: the name is empty or taken, what is wrong with the URDF.  UnknownNameError: no such frame.
+        Raises: ModelError: the name is empty or taken, or a fault of the URDF.  UnknownNameError: no such frame.
         """
         X_WM = self._free_place(name, frame) @ pose
         xml, warnings = painted(xml, self._folders)
@@ -152,7 +152,7 @@ class World:
 
     def spawn_sdf(self, name: str, xml: str, namespace: str = "", pose: numpy.ndarray = IDENTITY, frame: str = "",
                   transmissions: str = "") -> typing.Optional[Model]:
-        """Adds what an SDF document describes, a model or a light.
+        """Adds the model or light of an SDF document.
 
         Args:
             name: in place of the document's own.  pose: (4, 4), of the frame that the document's pose is given in.
@@ -186,7 +186,7 @@ class World:
 
         Args: model: SdfModel.  X_WM: (4, 4).
         Returns: Model
-        Raises: ModelError: the name is taken, what cannot be simulated.
+        Raises: ModelError: the name is taken, or the document cannot be simulated.
         """
         self._free_place(name, "")
         urdf, said = painted(with_transmissions(model.urdf, transmissions), self._folders)
@@ -219,7 +219,7 @@ class World:
                 self.core.delete(name)
             if isinstance(error, ArasError):
                 raise
-            raise ModelError("SpawnModel: Failure - model '%s': found something that nobody expected: %s: %s" %
+            raise ModelError("SpawnModel: Failure - model '%s': unexpected error: %s: %s" %
                              (name, type(error).__name__, error)) from error
         self.models[name] = model
         return model
@@ -268,10 +268,10 @@ class World:
                 return model
         raise UnknownNameError("joint '%s' does not exist" % joint)
 
-    # --- what touches and what is held
+    # --- contacts and attachments
 
     def touches(self, model: str, link: str) -> typing.List[Touch]:
-        """Returns list of Touch: where a link of a model touched something in the last step. Raises: UnknownNameError.
+        """Returns list of Touch: contacts of a link of a model in the last step. Raises: UnknownNameError.
         """
         found = []
         for each in self.model(model).simulation.contacts:
@@ -317,7 +317,7 @@ class World:
         """Adds a light.
 
         Args: xml: a <light> of SDF.  pose: (4, 4), in the frame.  frame: as in spawn(); the light does not follow it.
-        Raises: ModelError: the name is taken, what is wrong with the text.  UnknownNameError, ParameterError.
+        Raises: ModelError: the name is taken, or a fault of the text.  UnknownNameError, ParameterError.
         """
         if name in self.lights:
             raise ModelError("SpawnModel: Failure - entity already exists.")
@@ -364,7 +364,7 @@ class World:
         Args:
             X_WS: (4, 4), of the sensor.  directions: (n, 3), unit vectors in its axes.
             visuals: whether the rays meet <visual>s, only from outside; else <collision>s, from inside too.
-        Returns: distances (n,) [m], infinite where nothing is met, and laser_retro of what is met, (n,).
+        Returns: distances (n,) [m], infinite without a hit, and laser_retro of the hits, (n,).
         """
         distances, links = self.core.cast_rays(X_WS[:3, 3], directions @ X_WS[:3, :3].T, nearest_m, farthest_m, visuals)
         retros = [self.models[model].description.retros.get(link, 0.0)

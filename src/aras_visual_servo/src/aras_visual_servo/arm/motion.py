@@ -40,7 +40,7 @@ class Motion(NamedTuple):
 
     Attributes:
         q_dot: (n,) [m/s, rad/s].  twist: (6,) the twist as scaled by the limits.
-        status, text: what kept the arm from doing the twist in full; None and "" if nothing did.
+        status, text: the reason why the arm does not do the twist in full; None and "" if it does.
     """
 
     q_dot: np.ndarray

@@ -1,7 +1,7 @@
 """Inverse kinematics within limits: the joint positions near given ones that bring the camera nearest to a pose.
 
-`arm.reach.reach` asks whether a pose can be had in any posture. This asks how near the camera comes without another
-posture, which is what a servo can do. It minimises the weighted pose error by the method of Levenberg and Marquardt.
+`arm.reach.reach` decides whether any posture reaches a pose. This module finds how near the camera comes without a
+change of posture, as in a servo. It minimises the weighted pose error by the method of Levenberg and Marquardt.
 Joints at their limits are kept there (projected gradient), and the damping grows until a step brings the camera nearer,
 so that a stretched arm comes to rest.
 
@@ -32,7 +32,7 @@ STEP, SETTLED, SLOW = 0.3, 1e-7, 1e-4
 
 class Nearest(NamedTuple):
     """Attributes: q: (n,) joint positions.  missing: (6,) displacement from the camera there to the pose, in the frame
-    of that camera, [p; theta u] [m; rad], without what is free."""
+    of that camera, [p; theta u] [m; rad], without free directions."""
 
     q: np.ndarray
     missing: np.ndarray
@@ -85,7 +85,7 @@ def nearest(kinematics: RobotKinematics, X_BC: np.ndarray, q: np.ndarray, lower:
 
 
 def _at(kinematics, X_BC, q, rows):
-    """((6,) what is missing at q, its scaled rows, the scaled square, the scaled Jacobian)."""
+    """Returns ((6,) pose error at q, its scaled rows, the scaled square, the scaled Jacobian)."""
     X = kinematics.pose(q)
     R_T = X[:3, :3].T
     missing = np.concatenate([R_T @ (X_BC[:3, 3] - X[:3, 3]), rotation_vector(R_T @ X_BC[:3, :3])])

@@ -51,7 +51,7 @@ def outside_limits(kinematics: RobotKinematics, joints: Mapping[str, float]) -> 
 
 
 def _solve(kinematics, X_BC, q):
-    """(joints, what is left of the error (6,) in C) of damped least squares from q."""
+    """Returns (joints, remaining error (6,) in C) of damped least squares from q."""
     for _ in range(IK_STEPS):
         X = kinematics.pose(q)
         error = np.concatenate([X[:3, :3].T @ (X_BC[:3, 3] - X[:3, 3]), rotation_vector(X[:3, :3].T @ X_BC[:3, :3])])

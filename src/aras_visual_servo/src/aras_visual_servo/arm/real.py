@@ -25,7 +25,7 @@ F = TypeVar("F", bound="Form")
 
 
 class SetPoint(NamedTuple):
-    """What the joints are to do from now on.
+    """Set-points of the joints from now on.
 
     Attributes:
         stamp_ns: ROS time [ns].  joint_names: n names.

@@ -1,4 +1,4 @@
-"""From a camera twist to joint velocities: damped inverse of all six rows, and what the spare motion is used for.
+"""From a camera twist to joint velocities: damped inverse of all six rows, and use of the null space.
 
 An arm whose camera looks straight down has lost one twist (tilt about the horizontal axis in the arm's plane), and
 the published goal is nearly stretched, so that 1 mm of height asks for 0.2 rad of the elbow (docs/theory.md T16, T17).

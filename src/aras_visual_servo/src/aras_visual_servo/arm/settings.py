@@ -1,6 +1,7 @@
-"""Settings of the arm's motion: sections `inverse`, `null_space` and `limits` of the section `servo`; and where a
-calibration found the camera on the arm, and in what this robot differs from its model: sections `robot.hand_eye` and
-`robot.dynamics`."""
+"""Settings of the arm's motion: sections `inverse`, `null_space` and `limits` of the section `servo`.
+
+Also the calibrated pose of the camera on the arm and the differences of this robot from its model: sections
+`robot.hand_eye` and `robot.dynamics`."""
 
 from dataclasses import dataclass
 from math import inf
@@ -33,7 +34,7 @@ class InverseSettings:
 
 @dataclass(frozen=True)
 class NullSpaceSettings:
-    """Section `servo.null_space`: what the arm does with the motion that leaves the camera where it is."""
+    """Section `servo.null_space`: use of the joint motion that does not move the camera."""
 
     posture_gain_per_s: float = setting(2.0, unit="1/s", at_least=0, help="Return to the taught posture.")
     joint_limit_gain_per_s: float = setting(1.0, unit="1/s", at_least=0, help="Away from joint limits.")
@@ -99,7 +100,7 @@ class PayloadSettings:
 
 @dataclass(frozen=True)
 class DynamicsSettings:
-    """Section `robot.dynamics`: in what this robot differs from its URDF and its controllers' file."""
+    """Section `robot.dynamics`: differences of this robot from its URDF and its controllers' file."""
 
     damping: Dict[str, float] = setting(
         {}, unit="N s/m, N m s/rad", at_least=0, by="joint",

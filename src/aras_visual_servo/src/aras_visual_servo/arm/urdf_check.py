@@ -1,4 +1,4 @@
-"""What a URDF lacks for visual servoing, all at once. No ROS."""
+"""Checks a URDF for visual servoing and lists all faults at once. No ROS."""
 
 from math import isfinite
 from pathlib import Path
@@ -153,7 +153,7 @@ def _inertia_faults(robot, link) -> Iterator[str]:
         if node is not None and node.find("inertial") is not None:
             bodies[name] = node.find("inertial")
     if not bodies:
-        yield f"link {link}: inertial: found nothing, allowed mass and inertia of what the joint moves"
+        yield f"link {link}: inertial: found nothing, allowed mass and inertia of the link that the joint moves"
     for name, inertial in bodies.items():
         mass = _number(inertial.find("mass"), "value")
         if mass is None or mass <= 0.0:

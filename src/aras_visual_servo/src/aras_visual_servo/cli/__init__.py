@@ -1,4 +1,4 @@
-"""What the verbs of `aras-servo` share: help with examples, options, exit codes, and the line that repeats a command.
+"""Shared parts of the verbs of `aras-servo`: help with examples, options, exit codes, and repeat lines.
 
 Exit codes: 0 done, or the run passed; 1 it did not pass; 2 bad input; 3 could not run; 128 + N ended by signal N.
 """
@@ -22,7 +22,7 @@ from ..processes import Interrupted, signals_raise
 
 PROGRAM = "aras-servo"
 EXIT_PASSED, EXIT_FAILED, EXIT_PARAMETERS, EXIT_BROKEN = range(4)
-#: What a line that repeats a command leaves out: where results go, and how the work is spread.
+#: Options that the repeat line omits: places of results, and distribution of the work.
 NOT_REPEATED = ("output", "name", "workers", "scheduler", "resume", "results", "verbose", "open")
 
 
@@ -31,8 +31,8 @@ class Command:
     """One verb, or one word of a verb that has several.
 
     Attributes:
-        about: what it does; lists of commands print the first sentence.
-        examples: (arguments, what they do) each, printed at the end of --help.
+        about: description; lists of commands print the first sentence.
+        examples: (arguments, description) each, printed at the end of --help.
         options: adds its arguments to a parser.  work: does it and returns the exit code; the parsed arguments have
         `repeat` too, the line that repeats the command from any folder.
     """
@@ -157,7 +157,7 @@ def names(text: str) -> Tuple[str, ...]:
 
 
 def add_scenario(parser: argparse.ArgumentParser, **more: Any) -> None:
-    """Adds SCENARIO and what changes it: --law, --plugins, --set."""
+    """Adds SCENARIO and the options that change it: --law, --plugins, --set."""
     parser.add_argument("scenario", type=scenario_name, metavar="SCENARIO",
                         help="name of a shipped scenario (`aras-servo scenario list`), or path of a YAML file", **more)
     add_changes(parser)
@@ -176,7 +176,7 @@ def add_changes(parser: argparse.ArgumentParser, law: bool = True) -> None:
 
 
 def changes_of(arguments: argparse.Namespace) -> Dict[str, Any]:
-    """Returns what --law, --plugins and --set change, dotted path -> value. The plugins are imported.
+    """Returns the changes of --law, --plugins and --set, dotted path -> value. Imports the plugins.
 
     Raises:
         ParameterError: a text of --set is not KEY=VALUE, or a plugin cannot be imported.

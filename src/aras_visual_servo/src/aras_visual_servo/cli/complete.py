@@ -6,13 +6,13 @@ import re
 from pathlib import Path
 from typing import Any, Callable, List
 
-#: Where names are offered: an argument of this name is completed by this function of what was typed.
+#: Argument name -> function that completes the typed prefix.
 _BY_NAME = {"scenario": lambda typed: _scenarios(typed), "overrides": lambda typed: _keys(typed),
             "law": lambda typed: _laws(typed)}
 
 
 def offer(parser: argparse.ArgumentParser) -> None:
-    """Answers the shell and ends the process, if the shell asks what the word under the cursor may become."""
+    """Completes the word under the cursor and ends the process, if the shell asks for completions."""
     if "_ARGCOMPLETE" not in os.environ:
         return
     import argcomplete

@@ -12,7 +12,7 @@ from ..studies import sister
 
 CORE, ROS, STUDY = "aras_visual_servo", "aras_visual_servo_controller", "aras_visual_servo_study"
 LEARNING = "aras_visual_servo_learning"
-#: verb -> (package, module of its folder `cli`, what it does). The module has the verb in a dict VERBS.
+#: verb -> (package, module of its folder `cli`, description). The module defines the verb in a dict VERBS.
 VERBS: Dict[str, Tuple[str, str, str]] = {
     "run": (CORE, "run", "run a scenario, judge it by the true camera pose, and write a report"),
     "live": (STUDY, "live", "watch and change a run on a page"),

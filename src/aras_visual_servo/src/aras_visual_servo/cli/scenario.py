@@ -82,18 +82,18 @@ def _keys(arguments: Namespace) -> int:
 
 
 VERBS = {"scenario": {
-    "list": Command("List the scenarios and arms that come with the package.", [("", "every name, with what it is")],
+    "list": Command("List the scenarios and arms that come with the package.", [("", "all names, described")],
                     lambda parser: None, _list),
-    "show": Command("Print a scenario as it runs: with all that it extends and with what is changed.",
+    "show": Command("Print a scenario as it runs, with the scenarios that it extends and all changes.",
                     [("experiment_2 --set sim.seed=3", "with another seed"), ("mine.yaml", "a file of your own")],
                     add_scenario, _show),
-    "new": Command("Write a scenario to begin with. It extends another one, and every key stands there with its "
+    "new": Command("Write a commented starter scenario. It extends another one and lists every key with its "
                    "meaning.", [("mine", "mine.yaml, which extends experiment_1"),
                                 ("mine six_dof_points", "it extends another one")], _new_options, _new),
     "check": Command("Check scenarios and print every fault with its file and line.",
                      [("mine.yaml", "a file of your own"), ("experiment_1 --law ibvs", "with another law")],
                      _check_options, _check),
-    "keys": Command("Print the keys of a section: unit, what is allowed, default, meaning.",
-                    [("servo", "the keys of a section"), ("servo.stop", "and of one within it")],
+    "keys": Command("Print the keys of a section: unit, allowed values, default, meaning.",
+                    [("servo", "the keys of a section"), ("servo.stop", "the keys of a subsection")],
                     _keys_options, _keys),
 }}

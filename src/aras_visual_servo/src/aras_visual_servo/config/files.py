@@ -186,7 +186,7 @@ def _arms():
 
 class _UniqueKeyLoader(yaml.CSafeLoader):
     """CSafeLoader, ten times as fast as SafeLoader, that refuses a key given twice: YAML would silently take the
-    last. What Python has no value for (the 99th day of a month) it refuses with the line."""
+    last. It rejects values without a Python counterpart (the 99th day of a month), with the line."""
 
     def construct_object(self, node, deep=False):
         try:

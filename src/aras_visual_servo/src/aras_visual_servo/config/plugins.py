@@ -45,7 +45,7 @@ def load_plugins(plugins: Iterable[str]) -> List[str]:
     for plugin in plugins:
         try:
             _load(plugin)
-        except Exception as error:  # somebody else's code may raise anything; it is reported as a fault of that plugin
+        except Exception as error:  # a plugin may raise anything; report it as its fault
             faults.append(f"plugins: found {plugin}, allowed a module that can be imported: {described(error)}")
     return faults
 
@@ -54,7 +54,7 @@ def run_text(text: str, name: str) -> ModuleType:
     """Runs a text as the code of a plugin, so that `code_place` gives "NAME.py:LINE: " of an error in it.
 
     Args: name: of the module.
-    Returns: the module, which nobody can import.
+    Returns: the module `__NAME__`.
     Raises: ParameterError: the text cannot be compiled, or raises an error when it runs; with the line.
     """
     module, file = ModuleType(f"__{name}__"), f"{name}.py"

@@ -33,7 +33,7 @@ from ..ground.errors import ParameterError
 from ..ground.registry import Registry
 
 C = TypeVar("C")
-#: What the entries of a key may be named by, when their number depends on the scenario.
+#: Kinds of names for the entries of a key whose number depends on the scenario.
 BY = ("", "feature", "joint", "joint_position")
 _SCALARS = (float, int, bool, str, object)
 _KEY, _NONE = "aras_setting", type(None)
@@ -41,14 +41,14 @@ _KEY, _NONE = "aras_setting", type(None)
 
 @dataclass(frozen=True)
 class Key:
-    """What is known of one key.
+    """Description of one key.
 
     Attributes:
         name.  type: the annotation without Optional.  optional: None stands for a key that is not there.
-        default: MISSING if the key is required.  help: what it means, in one line.  unit: "" if it has none.
+        default: MISSING if the key is required.  help: its meaning, in one line.  unit: "" if it has none.
         above, at_least, below, at_most: bounds of a number, or of each in a list or table; None: unbounded.
         choices: texts allowed.  size: of a list.  not_empty: a text, list or table has at least one entry.
-        condition: (text of what is allowed, function that tests a value which is right otherwise), or None.
+        condition: (text of the allowed values, function that tests an otherwise valid value), or None.
         by: one of BY.
     """
 
@@ -130,7 +130,7 @@ def settings_of(name: str, cls: type, given: Mapping[str, Any], what: str) -> An
     """Settings of one law or feature that has a section of its own.
 
     Args: name: of the section.  cls: its settings class.  given: sections by name.  what: "law 'mine'", for the error.
-    Returns: given[name], else the defaults. Raises ParameterError: a key has none, or there is something else.
+    Returns: given[name], else the defaults. Raises ParameterError: a key has no default, or the type differs.
     """
     if name not in given:
         needed = required_keys(cls)
@@ -143,7 +143,7 @@ def settings_of(name: str, cls: type, given: Mapping[str, Any], what: str) -> An
 
 
 def entry_type(kind: Any) -> Any:
-    """What a list or a table holds: of Tuple[X, ...] and Dict[str, X] that is X; None for other types."""
+    """Returns the element type X of Tuple[X, ...] and Dict[str, X]; None for other types."""
     origin, arguments = typing.get_origin(kind), typing.get_args(kind)
     if origin is tuple and len(arguments) == 2 and arguments[1] is Ellipsis:
         return arguments[0]

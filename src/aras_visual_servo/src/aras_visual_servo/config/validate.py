@@ -1,4 +1,4 @@
-"""Checks a value against the schema of a section: every fault, with its key, the value found and what is allowed.
+"""Checks a value against the schema of a section. Lists every fault with key, value found and allowed values.
 
 The keywords are those that aras_visual_servo_common/README.md lists; the C++ packages word their faults alike.
 """
@@ -11,7 +11,7 @@ from typing import Any, List, NamedTuple, Tuple, Union
 from ..ground.registry import one_of
 from .tables import allowed_of, flow
 
-MOST_SHOWN = 60  # characters of what was found, in a fault
+MOST_SHOWN = 60  # characters of the value found, in a fault
 #: Stands for a `null` of a scenario that extends another one which has nothing there to take away.
 REMOVED = ...
 Path = Tuple[Union[str, int], ...]
@@ -50,7 +50,7 @@ def validate(schema: Mapping, value: Any, path: Path, faults: List[Fault]) -> No
 
 
 def _wrong(schema, value):
-    """What is allowed instead of a value, entries of lists and tables apart; "" where it is right."""
+    """Returns the allowed values instead of an invalid one, without checking entries; "" for a valid one."""
     if "type" in schema and not _TYPES[schema["type"]](value):
         return words(schema)
     for choices in (schema.get("enum"), [schema["const"]] if "const" in schema else None):
@@ -152,7 +152,7 @@ def _number_hint(value):
 
 
 def words(schema: Mapping) -> str:
-    """Returns what a schema allows, in words."""
+    """Returns the allowed values of a schema as text."""
     text = allowed_of(schema).replace("`", "")
     if "enum" in schema:
         return one_of(map(flow, schema["enum"]))
@@ -168,7 +168,7 @@ def shown(value: Any) -> str:
     """Returns a value as YAML has it, cut where it is long."""
     text = str(value) if isinstance(value, float) else "nothing" if value in (None, REMOVED) else flow(value)
     if isinstance(value, str) and re.fullmatch(r"[\d.,+\-eE\s]*|true|false|null|\s.*|.*\s", value):
-        text = f"'{value}'"  # without quotes it would read as something else
+        text = f"'{value}'"  # unquoted, YAML would read it as another type
     return text if len(text) <= MOST_SHOWN else text[:MOST_SHOWN - 3] + "..."
 
 

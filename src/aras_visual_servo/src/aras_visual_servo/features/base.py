@@ -125,7 +125,7 @@ def _normalised_rows(view):
 
 
 class View:
-    """One view of the target. What several features need of it is computed once (`shared`).
+    """One view of the target. Quantities that several features need are computed once (`shared`).
 
     Attributes:
         features: `Features`, or any object with its attributes.
@@ -198,13 +198,13 @@ class Feature:
         sees_tilt: True if it changes differently with a tilt of the camera than with a translation, so that a law can
             control the tilt by it.
         source: name of the `Source` that it comes from.
-        also_from: names of other sources that make what it needs; `servo.source` chooses one of them.
+        also_from: names of other sources that provide its input; `servo.source` chooses one of them.
         settings_class, settings: its own settings, class and instance; None for a feature without.
         section: name of the section of these settings.
         overlay: how it is drawn into the camera's image, a file of `report.overlays`; "" for not at all.
         unit: of its value: "m", "rad", "1/m", "grey" (grey levels), ..., "-" for none.
         symbol: plain text with the subscript after the first underscore ("x_n", "α"); "" stands for the name.
-        label: what it is, in a few words; "" stands for the name.
+        label: short description; "" stands for the name.
         colour: of its curves, "#rrggbb"; "" leaves the choice to `styles`. A family gives a range of hues (from, to)
             [deg] here, from which each member gets a shade of its own (`palette.shade`).
     In symbol and label of a family, "{number}" stands for the number.

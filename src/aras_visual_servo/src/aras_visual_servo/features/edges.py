@@ -1,4 +1,4 @@
-"""What the features change by when sides of the object are seen where they are not (docs/theory.md T73).
+"""Changes of the features caused by displaced sides of the object (docs/theory.md T73).
 
 A camera tells the place of a side to a part of a pixel only (`Features.edge_stddev`). Each corner or point errs by
 itself, along x and along y. Moments are those of a surface; its four sides, taken as those of the rectangle with the

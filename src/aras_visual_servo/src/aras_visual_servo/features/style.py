@@ -25,7 +25,7 @@ class FeatureStyle:
     Attributes:
         name: as in a scenario.  unit: "m", "rad", "grey", "-" for none.
         symbol: plain text, a subscript after the first underscore: "x_n", "α".
-        label: what it is, in a few words.  colour: "#rrggbb".
+        label: short description.  colour: "#rrggbb".
     """
 
     name: str
@@ -74,7 +74,7 @@ def styles(names: Iterable[str]) -> Tuple[FeatureStyle, ...]:
     """Style of each of these features, shown together: no two have the same colour.
 
     Args:
-        names: of features; a name that nobody registered, say of a plugin that is not here, gets the defaults.
+        names: of features; an unregistered name, for example of a missing plugin, gets the defaults.
     Returns:
         tuple of FeatureStyle. A feature keeps its own colour unless one before it has nearly the same; then it gets a
         spare one, as does a feature without a colour of its own.

@@ -20,7 +20,7 @@ class MissingExtra(ArasError):
 def extra(name: str, purpose: str) -> ModuleType:
     """The module `name`, imported, also from the workspace's virtual environment.
 
-    Args: purpose: what cannot be done without it, for the message.
+    Args: purpose: use of the module, for the message.
     Raises: MissingExtra: it is not there; in one sentence, with the command that installs it.
     """
     packages = FOLDER / "lib" / f"python3.{sys.version_info.minor}" / "site-packages"

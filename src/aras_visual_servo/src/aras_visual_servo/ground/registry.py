@@ -25,7 +25,7 @@ MOST_LISTED = 12
 class Registry(MutableMapping[str, T]):
     """Plugins of one kind, sorted by name. The modules that register them are imported when the first one is read.
 
-    Args: kind: what an error calls them.  packages: dotted names of packages whose modules register plugins.
+    Args: kind: their name in errors.  packages: dotted names of packages whose modules register plugins.
     """
 
     def __init__(self, kind: str, *packages: str) -> None:
@@ -74,7 +74,7 @@ class Registry(MutableMapping[str, T]):
 
 @functools.lru_cache(maxsize=None)
 def load_room(package: str) -> None:
-    """Imports every module of a package, so that each registers what it offers. Args: package: dotted name."""
+    """Imports every module of a package, so that each registers its plugins. Args: package: dotted name."""
     for module in pkgutil.iter_modules(importlib.import_module(package).__path__):
         importlib.import_module(f"{package}.{module.name}")
 
@@ -85,7 +85,7 @@ def unknown_name(key: str, found: object, known: Iterable[str]) -> str:
 
 
 def one_of(names: Iterable[str], found: object = None) -> str:
-    """Returns the names that are allowed, of more than MOST_LISTED their number, and the nearest to what was found."""
+    """Returns the allowed names, or their number above MOST_LISTED, and the name nearest to the one found."""
     names = list(names)
     near = difflib.get_close_matches(str(found), names, 1) if found is not None else ()
     listed = ", ".join(names) if len(names) <= MOST_LISTED else f"{len(names)} names"

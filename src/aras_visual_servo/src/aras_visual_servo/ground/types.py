@@ -109,7 +109,7 @@ class Features:
 
 @dataclass(slots=True)
 class Observation:
-    """What is known at one image.
+    """Inputs of the servo at one image.
 
     Attributes:
         stamp_ns: time of the state the image shows [ns].
@@ -139,7 +139,7 @@ class Command:
 
 @dataclass(slots=True)
 class ServoRecord:
-    """What the servo saw and did at one image: the fields of aras_visual_servo_msgs/ServoState."""
+    """State of the servo at one image: the fields of aras_visual_servo_msgs/ServoState."""
 
     stamp_ns: int
     status: Status
@@ -184,7 +184,7 @@ class Reference:
     images: int = 1
 
     def to_dict(self) -> Dict[str, Any]:
-        """Plain lists, for a parameter server or a file; what is None is left out."""
+        """Returns plain lists, for a parameter server or a file, without keys whose value is None."""
         result = {key: np.asarray(getattr(self, key), dtype=float).tolist()
                   for key in ("s_star", "optical_axis_B", "plane_C") if getattr(self, key) is not None}
         result["images"] = self.images

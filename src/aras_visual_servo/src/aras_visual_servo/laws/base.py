@@ -126,7 +126,7 @@ class Law:
         self._prepare()
 
     def _prepare(self):
-        """Sets up what the subclass needs beside features, gains and settings."""
+        """Sets up the subclass beyond features, gains and settings."""
 
     def reset(self, reference: Union[Reference, Sequence[float]]) -> None:
         """Forgets the past and servos to `reference` from now on.
@@ -181,7 +181,7 @@ class Law:
     def joint_velocity(self, view: View, arm: "Arm", twist: np.ndarray) -> "Joints":
         """`Joints` of a law that `moves_joints`, after `step` has answered the same image.
 
-        Args: view: `View` of the image.  arm: `Arm`.  twist: (6,) V_C of the answer with what the servo adds to it.
+        Args: view: `View` of the image.  arm: `Arm`.  twist: (6,) V_C of the answer with the additions of the servo.
         """
         raise NotImplementedError
 
@@ -190,14 +190,14 @@ class Law:
         return getattr(view.features, "symmetric", False) or self._setup.symmetric_target
 
     def _see(self, look):
-        """The look, with what this law knows about the view added to it: here the depths of followed points."""
+        """Returns the look with the law's knowledge about the view: here the depths of followed points."""
         depths = self._inverse_depths
         if self._setup.point_depth == "image":
             depths = 1.0 / depths_in_image(look.view.features)
         return look if depths is None else look._replace(view=View(look.view.features, look.view.plane, None, depths))
 
     def _foresee(self, look, s):
-        """The look, with what this law knows about a view that does not show the target, of which s is foreseen."""
+        """Returns the look with the law's knowledge about a view without the target, whose s is predicted."""
         return Law._see(self, look)
 
     def _twist(self, look, s, e):

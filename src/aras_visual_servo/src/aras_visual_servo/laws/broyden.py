@@ -11,7 +11,7 @@ from .base import Law, register_law, sampled_gains
 
 #: A test move lasts this many images of motion and then this many at rest, in which the joints catch up.
 MOVE_IMAGES, REST_IMAGES = 3, 4
-#: No image asks for a motion of more than this many times `move`, because what was learnt holds nearby only.
+#: No image asks for a motion of more than this many times `move`, because the learnt matrix holds nearby only.
 TRUST = 5.0
 
 
@@ -101,7 +101,7 @@ class Broyden(Law):
         self._P = P * min(1.0, self._P_trace / float(np.trace(P)))
 
     def _note(self, motion, change):
-        """Adds what was seen to the sums of the current test move; after the last move solve for the matrix."""
+        """Adds a measurement to the sums of the current test move. After the last move, solves for the matrix."""
         n = len(self._columns)
         axis = (self._images - 1) // (MOVE_IMAGES + REST_IMAGES)
         if motion is not None and 0 <= axis < n:

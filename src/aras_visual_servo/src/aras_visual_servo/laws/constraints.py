@@ -1,4 +1,4 @@
-"""Hard constraints of the laws `qp` and `mpc`: what has to stay inside the view, and walls for the camera.
+"""Hard constraints of the laws `qp` and `mpc`: visibility of the target, and walls for the camera.
 
 Each constraint is a slack h >= 0: a distance of a point from a border of the view, or of the camera from a wall. Its
 rate is a row times the camera's twist, h_dot = row V_C. A law asks for h_dot >= -rate_per_s h (control barrier
@@ -33,7 +33,7 @@ class WallSettings:
 
 @dataclass(frozen=True)
 class ConstraintSettings:
-    """What the laws `qp` and `mpc` keep beside the limits of the joints."""
+    """Constraints of the laws `qp` and `mpc` in addition to the joint limits."""
 
     half_width: Optional[float] = setting(
         None, above=0,

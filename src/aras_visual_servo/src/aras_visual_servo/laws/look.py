@@ -18,7 +18,7 @@ class Look(NamedTuple):
             `needs_pose`.
         applied: (6,) V_C that the arm was given after the last look, with all limits applied [m/s; rad/s]; None at the
             first look and after the arm was stopped.
-        tracker: what filters the features, and foresees them while the target is not seen; None: nobody does. It has
+        tracker: filters the features, and predicts them while the target is not seen; None: no filter. It has
             `seen`, `corrected(s, view)` and `foreseen()` (servo/feature_filter.py).
     """
 
@@ -30,7 +30,7 @@ class Look(NamedTuple):
 
 
 class Answer(NamedTuple):
-    """What a law makes of a look.
+    """Result of a law for one look.
 
     Attributes:
         twist: V_C, (6,), [v; w] in the camera frame [m/s; rad/s].
@@ -86,7 +86,7 @@ class Joints(NamedTuple):
     """The joint velocities of a law that `moves_joints`.
 
     Attributes:
-        q_dot: (n,) [m/s, rad/s].  status: what keeps the arm from the twist, None if nothing does.
+        q_dot: (n,) [m/s, rad/s].  status: reason why the arm cannot do the twist, else None.
         text: which constraints bind, and by how much one had to be violated; "" if none.
     """
 

@@ -51,12 +51,12 @@ class MpcSettings(ConstraintSettings):
 
 
 class Ahead(NamedTuple):
-    """What is predicted of one look.
+    """Prediction from one look.
 
     Attributes:
         P: (3, k) points, or points of the contour, in the camera frame now [m].
         now, rooms: `Rooms` now, as `qp` has them, and of P.
-        least: (N, m) of `rooms` at each step: 0, or what is left of one that is violated now.
+        least: (N, m) of `rooms` at each step: 0, or the remainder of one that is violated now.
         names: of the rooms, each once.  which: place in them of each row of a room: of those of now, then (N, m).
     """
 
@@ -210,8 +210,8 @@ class Predictive(QuadraticProgram):
         return np.outer(self._fall, np.clip(arm.wanted, arm.low, arm.high))
 
     def _predict(self, view, twist, poses, ahead):
-        """What is predicted along the nominal way: (the rooms (N, m), their rows (N, m, 6), rows of the features
-        (N, k, 6), what the features lack of their wanted way (N, k)). Rows are of twists in the first camera frame."""
+        """Returns the prediction along the nominal way: (slack h of the constraints (N, m), their rows (N, m, 6), rows
+        of the features (N, k, 6), their distance from the wanted way (N, k)). Rows refer to the first camera frame."""
         config, L, P = self.settings, self.features.matrix(view), ahead.P
         parts, straight = [], L
         seen, L_seen = predicted_points(P, poses)
@@ -292,7 +292,7 @@ def _rooms_of_contour(config, xy, plain):
 
 
 def predicted_points(P: np.ndarray, poses: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-    """What a moved camera sees of points at rest: (x1, y1, Z1, ..., (N, 3 n); their rows, (N, 3 n, 6)).
+    """Returns the view of a moved camera of points at rest: (x1, y1, Z1, ..., (N, 3 n); their rows, (N, 3 n, 6)).
 
     Args: P: (3, n) in the first camera frame [m].  poses: (N, 4, 4) of the camera in that frame. Rows are of twists of
         the first frame before the way.

@@ -13,7 +13,7 @@ from .constraints import ConstraintSettings, Rooms, rooms_of
 from .image import ImageBased
 from .look import Arm, Joints
 
-#: A slack is told when it is larger than this: what it takes to be seen above rounding [1/s, m/s].
+#: A slack above this is reported: the smallest one distinct from rounding [1/s, m/s].
 TOLD = 1e-6
 #: A constraint is named as one that binds when its multiplier is larger than this part of the largest one.
 BINDS = 1e-6

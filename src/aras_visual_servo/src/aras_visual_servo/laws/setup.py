@@ -1,4 +1,4 @@
-"""The settings that all laws share: keys of the section `servo` that say what a law works on, and how."""
+"""Settings that all laws share: keys of the section `servo` for the inputs and the mode of a law."""
 
 from dataclasses import dataclass, field
 from typing import Any, Mapping, Optional, Tuple
@@ -23,7 +23,7 @@ class AdaptiveGainSettings:
 
 @dataclass(frozen=True)
 class LawSetup:
-    """What a scenario says about a law of any kind besides its gains: keys of the section `servo`.
+    """Settings of any law besides its gains: keys of the section `servo`.
 
     Attributes:
         target: the known target, read from the file `target_model`; None if there is no such file.

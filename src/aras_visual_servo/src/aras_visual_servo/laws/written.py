@@ -1,4 +1,4 @@
-"""A law from a text that somebody writes while a run goes on, as in the editor of the live page.
+"""A law from a text that a user edits during a run, as in the editor of the live page.
 
     law = WrittenLaw(text)      # ParameterError: "law.py:7: NameError: ..."
     with law.tried():           # known by name here, and afterwards what was known before

@@ -1,4 +1,4 @@
-"""What a scenario describes, without ROS: its simulator, its camera, and the kinematics of its robot."""
+"""Builds the parts of a scenario without ROS: simulator, camera, and kinematics of the robot."""
 
 from typing import TYPE_CHECKING, Any, Dict, Mapping, Optional, Tuple
 
@@ -30,7 +30,7 @@ class SimulatedCell:
             new one is made, which takes as long as a second of simulated time. Either way the bytes are the same.
         calibrated: the kinematics lead to where `robot.hand_eye` has the camera; False: to its true place.
     Raises:
-        ParameterError, ModelError and the simulator's errors: what is wrong with the scenario.
+        ParameterError, ModelError and the simulator's errors: faults of the scenario.
 
     Attributes:
         camera_info: dict with the fields of CameraInfo, the true ones.  encoding: of the camera's images.

@@ -37,7 +37,7 @@ class Judgement:
 
     Attributes:
         converged: features, tilt and pose were within their thresholds.  reason: the last status in words.
-        settled: the servo has arrived as far as its features tell (SETTLED); the reason says what is not known.
+        settled: the servo has arrived as far as its features tell (SETTLED); the reason names the unknown part.
         stopped_by_rule: the published stop rule was met, which the scenario asks for in place of converging.
         passed: one of the three, and the true final error is within the scenario's `experiment.judge`.
         faults: why the run did not pass, one line each.

@@ -37,7 +37,7 @@ class TaughtGoal(NamedTuple):
 
     Attributes:
         state: of the simulator.  reference: of the servo.  z_star_m: depth of the target in this view [m].
-        answers: tuple of what `RecordBuilder.add_answer` is told of each image: (record, X_WC, features, image, X_WT).
+        answers: arguments of `RecordBuilder.add_answer` for each image: (record, X_WC, features, image, X_WT).
     """
 
     state: bytes
@@ -97,7 +97,7 @@ class ServoLoop(SimulatedCell):
 
         Args: goal: a `TaughtGoal` of this loop, of a scenario that differs in the start alone: begin where it had been
             taught, as if the arm were placed there and it were taught again.
-        Raises: ParameterError: what is wrong with the section `experiment`.  StateError (the simulator's): the goal is
+        Raises: ParameterError: faults of the section `experiment`.  StateError (the simulator's): the goal is
             that of another simulator.
         """
         self.scenario = scenario
@@ -234,7 +234,7 @@ class ServoLoop(SimulatedCell):
         last_ns = record.stamp_ns
         if self.sequence.done:
             end_ns = record.stamp_ns + round(closing_s * 1e9)
-            while self.sim.next_image_ns(self.camera) <= end_ns:  # drawn for the run hash; nobody asks what they show
+            while self.sim.next_image_ns(self.camera) <= end_ns:  # drawn for the run hash only
                 last_ns, _, q = self.take()
                 self.frame += 1
                 command, _ = self.sequence.step(Observation(last_ns, None, q, self.frame))
@@ -245,7 +245,7 @@ class ServoLoop(SimulatedCell):
             builder.note(f"given up after {limit_s:g} s of simulated time in phase {record.phase}")
         wall_s = time.perf_counter() - started_s
         for warning in filter(lambda text: "renderer coverage does not draw" in text, self.sim.warnings):
-            builder.note(warning)  # what it says of the URDF is no news of this run
+            builder.note(warning)  # warnings about the URDF are not specific to this run
         return builder.finish(run_hash=self.sim.run_hash, wall_s=wall_s, camera_info=self.camera_info,
                               real_time_factor=1e-9 * (last_ns - builder.begin_ns) / wall_s,
                               X_WT=self.target_pose(), opengl=self.sim.opengl)

@@ -13,9 +13,9 @@ from .record import RunRecord
 from ..features.target.outline import Outline
 from ..spatial import inverse, rotation_angle
 
-#: Columns of a sweep, and what they are.
+#: Columns of a sweep with their descriptions.
 MEASURES = {
-    "path_mm": "length of the path of what the arm carries, camera or target [mm]",
+    "path_mm": "length of the path of the camera, or eye-to-hand of the target [mm]",
     "detour_mm": "its largest distance from the straight line between start and goal [mm]",
     "farthest_mm": "its largest distance from the goal [mm]",
     "joint_room": "least distance of any joint from a limit, in halves of its range: 1 in the middle, 0 at the limit",
@@ -60,7 +60,7 @@ def distance_from_segment(points: np.ndarray, a: np.ndarray, b: np.ndarray) -> n
 
 @dataclass
 class Track:
-    """What a figure shows of a run's servo phase, (n,) each.
+    """Curves of a run's servo phase for a figure, (n,) each.
 
     Attributes:
         t_s: time since its first image.  distance_mm, angle_deg: of the camera from the goal, as a

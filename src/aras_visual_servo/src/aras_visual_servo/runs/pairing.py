@@ -49,7 +49,7 @@ class StampPairer:
         """
         if self._ahead == "joints" and stamp_ns <= max(self._newest_features_ns, self._since_ns):
             self._ahead = None
-            if stamp_ns <= self._newest_features_ns:  # what has come since the joint states went back was of before
+            if stamp_ns <= self._newest_features_ns:  # features received since the joint states went back are older
                 self._waiting.clear()
                 self.restarts += 1
         elif stamp_ns < self._newest_features_ns:
@@ -59,7 +59,7 @@ class StampPairer:
         return self._complete()
 
     def add_joints(self, stamp_ns: int, joints: Any) -> Sequence[Tuple[int, Any, Any]]:
-        """Takes one joint state. Returns what add_features does."""
+        """Takes one joint state. Returns the same as add_features."""
         if stamp_ns < self._newest_joints_ns:
             if self._ahead == "features":
                 self._joints.clear()  # of the time before

@@ -20,7 +20,7 @@ from .settings import still
 TWIST_NAMES = ("vx", "vy", "vz", "wx", "wy", "wz")
 RAW_NAMES = ("area", "xg", "yg", "alpha")
 
-# What the stop rule judges beside the feature errors, and the condition of the interaction matrix.
+# Quantities of the stop rule besides the feature errors, and the condition of the interaction matrix.
 STOP_NAMES = ("tilt_rad", "position_m", "rotation_rad", "cond_l")
 
 #: A depth that is off by more than this part of the true one is noted.
@@ -53,9 +53,9 @@ class RunRecord:
         camera_info: dict as `Simulation.camera_info`, {} if unknown.
         run_hash: of joint trajectory and images, hexadecimal, "" if unknown.
         real_time_factor: simulated over wall seconds, NaN if unknown.  wall_s: of the whole run, NaN if unknown.
-        opengl: what drew images by OpenGL, and its version; "" if nothing did. The run hash holds for one of these.
+        opengl: renderer and version of the OpenGL images; "" without any. The run hash holds for one of these.
         recorded: topic -> {"published": n, "in_bag": m}, messages of a run that was recorded; {} of any other.
-        notes: what was missing or repaired while the record was made, in words.
+        notes: texts about missing and repaired data of the record.
     """
 
     scenario: str
@@ -99,7 +99,7 @@ class RunRecord:
 
     @cached_property
     def X_WM(self) -> np.ndarray:
-        """(n, 4, 4), true pose in the world of what the arm moves: the camera, or eye-to-hand the target."""
+        """(n, 4, 4), true pose in the world of the moved body: the camera, or eye-to-hand the target."""
         return self.target_poses if self.eye_to_hand and self.target_poses is not None else self.X_WC
 
     @property
@@ -208,7 +208,7 @@ class RecordBuilder:
             raw: (area, xg, yg, alpha).  X_WT: (4, 4) of a target that moves.  stop: values of STOP_NAMES.
             image: uint8 or uint16, (h, w) or (h, w, 3), unchanged until the next row or `finish`; copied only where
                 the record keeps it (see `_keep_image`).
-        The other arrays are copied later: nobody may change their content any more.
+        The other arrays are copied later: do not change their content after this call.
         Raises:
             ShapeError: an array has not the length its names have.
         """
@@ -280,7 +280,7 @@ class RecordBuilder:
             self._last_servo_image = image  # it is the last view only if the run breaks off here: copied then
 
     def note(self, text: str) -> None:
-        """Remembers something a reader of the report must know."""
+        """Adds a note for readers of the report."""
         self._notes.append(str(text))
 
     def _end(self):

@@ -29,7 +29,7 @@ from .teaching import Teaching
 #: back [1/s]. Set-points that stand still would not do, since the integrators of joint controllers go on working off
 #: friction.
 HOLD_PER_S = 2.0
-#: A joint that is farther than this from where it is held is moved by somebody else, and is let go [m, rad].
+#: A joint that is farther than this from where it is held is moved from outside, and is released [m, rad].
 STRAY = 0.005
 #: Ends after which that is done.
 HELD = (Status.CONVERGED, Status.SETTLED, Status.STOPPED_BY_RULE)
@@ -109,7 +109,7 @@ class ExperimentSequence:
         """Makes the image of this stamp the goal of the servo, and the reference of the camera's features.
 
         Args: features, q: of this image.  z_star_m: depth of the target in it [m]; None: the experiment's.
-        Raises: ParameterError: the view is not fit to be a reference; and what `teach_camera` raises.
+        Raises: ParameterError: the view is not fit to be a reference; and the errors of `teach_camera`.
         """
         self._begin_teaching(stamp_ns, features, q, z_star_m)
         self._teaching = None
@@ -228,14 +228,14 @@ class ExperimentSequence:
         return float(np.abs(self.kinematics.way(self._before_q, self._last_q)).max()) / self._dt_s
 
     def _held_joint(self, q):
-        """Which joint has not come to where it was sent, in words; an empty text if all have."""
+        """Returns a text that names the joint farthest from its end position; "" if all arrived."""
         off = np.abs(self.kinematics.way(self._trajectory.position(inf), q))
         joint = int(off.argmax())
         if off[joint] <= self.config.arrived_within:
             return ""
         name, end = self.kinematics.joint_names[joint], self._trajectory.position(inf)[joint]
         return f"joint '{name}' was sent to {end:.4g} and rests at {q[joint]:.4g}, allowed within " \
-               f"{self.config.arrived_within:g}: something holds it"
+               f"{self.config.arrived_within:g}: check for an obstacle or too little effort"
 
     def _teach(self, observation, q):
         stamp_ns = observation.stamp_ns

@@ -56,7 +56,7 @@ class Session:
 
         Args:
             features: of the image.  q: (n,) joint positions of the same stamp [m or rad], None if there is none.
-            refusal: why the image must not be used, where somebody else has found that; "" if nobody has.
+            refusal: reason of the caller to reject the image; "" without one.
         Returns:
             (Command, ServoRecord), in every case. While a goal is active, the command for a refused image stops the
             arm.

@@ -80,7 +80,7 @@ class JudgeSettings:
 
 
 def still(x_mm: float, y_mm: float, z_mm: float, angle_deg: float) -> Tuple[float, float]:
-    """By how much the camera may move while a view is taught: a tenth of what the judge allows [m, rad]."""
+    """Largest motion of the camera while a view is taught: a tenth of the judge's limits [m, rad]."""
     return 1e-4 * min(x_mm, y_mm, z_mm), 0.1 * radians(angle_deg)
 
 
@@ -116,7 +116,7 @@ class ExperimentSettings:
 
     @property
     def still(self) -> Optional[Tuple[float, float]]:
-        """By how much the camera may move while the view is taught [m, rad]; None: nobody judges."""
+        """Largest motion of the camera while the view is taught [m, rad]; None: no judge."""
         return None if self.judge is None else still(**vars(self.judge))
 
     @classmethod

@@ -17,7 +17,7 @@ from ..spatial import inverse, size_of
 #: Averaging ends when the standard error of the mean is below this part of every threshold: of the features and of the
 #: pose that they stand for. Where they stand for none, the place of the target is asked for to PLACE_M [m].
 PART, PLACE_M = 0.1, 2e-6
-#: Where nothing says how exactly the goal has to be known, the arm may move by this part of what the stop rule allows.
+#: Default motion of the arm during teaching, as a part of the limits of the stop rule.
 STILL = 0.25
 #: The scatter of fewer images than FEW is small by chance; they are enough where it is as small as VANISHING of that.
 FEW, VANISHING = 10, 0.1
@@ -35,7 +35,7 @@ class Teaching:
         """Begins with the image of this stamp.
 
         Args: as of `Goal.taught_by`. most: images at most, >= 1.  still: by how much the camera may move meanwhile [m,
-            rad]; None: by a part of what the stop rule allows.
+            rad]; None: a part of the limits of the stop rule.
         """
         self._servo, self._stamp_ns, self._most, self._tried = servo, stamp_ns, most, 1
         self.reference = servo.goal.taught_by(features, q, z_star_m)

@@ -1,4 +1,4 @@
-"""The check of a scenario: the schema, each section's own checks, and what fits across sections. Lists every fault."""
+"""The check of a scenario: the schema, each section's own checks, and checks across sections. Lists every fault."""
 
 import pathlib
 from collections.abc import Iterator, Mapping
@@ -84,7 +84,7 @@ def _joint_names(value, base) -> Tuple[str, ...]:
 
 
 def _dynamics_faults(dynamics: DynamicsSettings, value, base) -> Iterator[Fault]:
-    """What robot.dynamics names is in the URDF and in the controllers' file; other faults of these are reported when
+    """Checks the names of robot.dynamics against URDF and controllers; other faults of these are reported when
     the robot is made."""
     texts: List[str] = []
     try:
@@ -137,8 +137,8 @@ def _eye_to_hand_faults(value) -> Iterator[Fault]:
             yield Fault(("servo", law, "walls"), f"found walls, {without}: walls are for a camera that moves", True)
     for name in _features(value):
         if source_of(name) == "photometric":
-            yield Fault(("servo", "features"), f"found {name}, {without}: what stands behind the target does not move "
-                        "with it", True)
+            yield Fault(("servo", "features"), f"found {name}, {without}: the background does not move with the "
+                        "target", True)
 
 
 def longest_latencies(document: Mapping[str, Any]) -> List[float]:

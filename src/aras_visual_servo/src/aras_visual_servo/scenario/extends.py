@@ -1,8 +1,8 @@
-"""Scenarios that say only in what they differ from another one, and the lines of files that say it.
+"""Scenarios that extend others, and the file and line of each value.
 
 `extends: experiment_1` names a scenario of this package, `extends: PATH.yaml` a file, relative to the one that says so.
-In a list, `extends: [ur5e, six_dof_points]`, what an entry says goes before what those after it say, as with the
-base classes of a Python class. The rules are those of a JSON Merge Patch (RFC 7396) and two more of our own, see
+In a list, `extends: [ur5e, six_dof_points]`, an earlier entry overrides the later ones, as with the base classes of a
+Python class. The rules are those of a JSON Merge Patch (RFC 7396) and two more of our own, see
 `merge`. A file that names a URDF does not inherit numbers by joint (goal, start) of joints that this robot lacks.
 
 An arm is a scenario with a `task`: the scenario that it runs where none is named. `robot: ur5e` puts an arm first in
@@ -63,7 +63,7 @@ def load_resolved(path: Path, robot: Optional[str] = None) -> Tuple[Dict[str, An
         (document, files): nested dict without `extends`, `task` and names of arms, with marks as of `merge`; the files
             that it is made of, the first extended one first.
     Raises:
-        ParameterError: a file cannot be read, nobody knows the name, or the way leads in a circle.
+        ParameterError: a file cannot be read, a name is unknown, or scenarios extend each other in a cycle.
     """
     path = Path(path)
     document, files = _load(path, ())
@@ -106,7 +106,7 @@ def _load(path, way):
 
 
 def _extended(bases, merged, files, path, way, arm=False):
-    """`merged` under what the `bases`, pairs (where, name), say in full; and the files, with theirs."""
+    """Returns `merged` over the resolved `bases`, pairs (where, name), and the files with those of the bases."""
     way, whole = (*way, path.resolve()), bool(merged) and TASK not in merged
     for where, name in reversed(bases):
         found = _found(name, where, path.parent)
@@ -185,7 +185,7 @@ def cleared(node: Any) -> Any:
 
 
 def merge(base: Mapping[str, Any], changes: Mapping[str, Any]) -> Dict[str, Any]:
-    """Returns what `base` becomes by `changes`, a new document. Neither is changed.
+    """Returns a new document: `base` with `changes` applied. Changes neither argument.
 
     Sections are merged key by key; `null` takes a key away; any other value, a list too, replaces the old one.
     Two rules more: in lists whose entries all have a `name` (cameras, models) the entries are merged by name, and new
@@ -251,8 +251,8 @@ def located(faults: Iterable[Fault], document: Any, files: Sequence[Path], overr
             source: str = "scenario") -> List[str]:
     """Returns the faults as texts `FILE:LINE: fault`, or `--set KEY=VALUE: fault`, in the order in which they stand.
 
-    A fault is blamed on what says its key, else the section in which it is missing. A fault of several keys is blamed
-    on the one that was said last: a scenario goes before those that it extends, and `--set` before both.
+    A fault is located at its key, or at the section in which the key is missing. A fault of several keys is located at
+    the key set last: a scenario overrides those that it extends, and `--set` overrides both.
 
     Args:
         document: the resolved one, to which the faults belong.  files: that it is made of, the last one wins.

@@ -39,7 +39,7 @@ def check_feasible(scenario: "Scenario") -> None:
 
 
 class Feasibility:
-    """What can be said of goals and starts of one scenario.
+    """Checks the feasibility of goals and starts of one scenario.
 
     Attributes:
         outline: `Outline`, None where the target's place in the image cannot be told beforehand.

@@ -32,7 +32,7 @@ HEAD = """\
 
 @dataclass(frozen=True)
 class NewArm:
-    """What the files of an arm are made of.
+    """Inputs of the files of a new arm.
 
     Attributes:
         name: of the arm and its scenario.  urdf: as the scenario names it.  controllers: as the scenario names them.

@@ -2,8 +2,8 @@
 
 The camera has to stand to the target as it stood when the view was taught, as far as the servo tells. With features
 that do not see the tilt, and no `tilt_gain_per_s`, any tilt will do. Each place is searched from the joint positions of
-the place beside it, as the arm would come there. So the map shows what the servo can do from its posture, and not what
-the arm could do in another one.
+the place beside it, as the arm would come there. So the map shows the reach of the servo from its posture, not the
+reach of the arm in another posture.
 """
 
 from heapq import heappop, heappush

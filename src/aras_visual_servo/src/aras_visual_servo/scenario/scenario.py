@@ -1,4 +1,4 @@
-"""Scenarios: the one file that says what a run is. Loaded and checked without ROS and without a master."""
+"""Scenarios: files that define a run. Loaded and checked without ROS and without a master."""
 
 import copy
 from collections.abc import Mapping
@@ -34,7 +34,7 @@ class Scenario:
         robot: urdf, controllers (resolvable URIs or paths), base_link, tip_link.
         sim: section of the simulator.  time: of its node only.  vision: of the moment extractor.
         servo: law, gains, stop rule, redundancy.  experiment: goal, start, reference depth, judge thresholds.
-        sweep: what a sweep varies, see docs/sweeps.md; {} if the file has none.
+        sweep: variations of a sweep, see docs/sweeps.md; {} if the file has none.
         real: how a real arm is driven; {} if the file has none.
     """
 
@@ -126,7 +126,7 @@ class Scenario:
         Args:
             overrides: dotted path -> value, e.g. {"servo.gains_per_s.xn": 2.0, "sim.seed": 7}.
         Raises:
-            ParameterError: a path that leads through something that is no section, or a value not allowed.
+            ParameterError: a path through a value that is not a section, or a value that is not allowed.
         """
         return _checked(self.as_dict(), self._base, self.path, self._files, overrides, str(self.path or self.name),
                         self._overrides)

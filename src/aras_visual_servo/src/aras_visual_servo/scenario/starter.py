@@ -13,26 +13,26 @@ from .scenario import load_scenario
 from .schema import scenario_schema
 
 HEAD = """\
-# {name}: a scenario that says only in what it differs from {base}.
+# {name}: a scenario with the differences from {base}.
 # Run it:  {run}
-# Lines with ## explain. A line with # holds what {base} says, or the default: take the # away, from the line
-# and from those of the sections that it is in, and change the value. `null` takes away what {base} says.
+# Lines with ## explain. A line with # holds the value of {base}, or the default. To change it, remove the # from
+# the line and from the lines of its sections. `null` removes a value of {base}.
 name: {name}
 description: As {base}, so far.
 extends: {extends}
 """
-#: In this order: first what one changes first.
+#: In this order: sections that users change first come first.
 SECTIONS = ("servo", "experiment", "vision", "sim", "robot", "time", "sweep", "real")
-#: What the sections are that say it nowhere else.
-WHAT = {"servo": "The law, its features and gains, when it has arrived, and how the arm follows.",
-        "experiment": "What is run: the goal that is taught, the start, and how the result is judged.",
-        "robot": "The arm.", "sweep": "What a sweep of many runs varies (docs/sweeps.md).",
-        "real": "How a real arm is driven; a simulated run does not read it."}
+#: Descriptions of sections whose schema has none.
+WHAT = {"servo": "The law, its features and gains, the stop rule, and the limits of the arm.",
+        "experiment": "The experiment: the taught goal, the start, and the criteria of the judge.",
+        "robot": "The arm.", "sweep": "Variations of a sweep of many runs (docs/sweeps.md).",
+        "real": "The commands and limits of a real arm; simulated runs ignore them."}
 WIDTH = 120
 
 
 def starter(name: str, base: str = "experiment_1", path: Optional[Path] = None) -> str:
-    """Text of a scenario file that does what `base` does, with every key commented out, from the schema.
+    """Returns the text of a scenario file equivalent to `base`, with every key commented out, from the schema.
 
     Args: name: of the new scenario.  base: name or path of the one that it extends.  path: absolute, of the file.
     Raises: ParameterError: there is no such scenario, or it has faults.
@@ -48,7 +48,7 @@ def starter(name: str, base: str = "experiment_1", path: Optional[Path] = None) 
 
 
 def _keys(schema, said, indent):
-    """Lines of the keys of one section; `said` is what the base scenario has there."""
+    """Yields the lines of the keys of one section. `said` is the base scenario's section."""
     schema = section_of(schema)
     for key, found in schema.get("properties", {}).items():
         yield from _wrapped(_meaning(found), f"#{indent}")
@@ -67,7 +67,7 @@ def _keys(schema, said, indent):
 
 
 def _meaning(schema):
-    """Unit, what is allowed and the description, in a line."""
+    """Returns unit, allowed values and description in one line."""
     unit = f"[{schema['unit']}]" if schema.get("unit") else ""
     allowed = allowed_of(schema).replace("`", "").replace("\\|", "|")
     if section_of(schema).get("properties") and schema.get("type") != "array" and not allowed.endswith("a section"):

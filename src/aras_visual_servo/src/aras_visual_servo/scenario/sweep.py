@@ -1,4 +1,4 @@
-"""Section `sweep` of a scenario: what a sweep of many runs varies (docs/sweeps.md)."""
+"""Section `sweep` of a scenario: variations of a sweep of many runs (docs/sweeps.md)."""
 
 from dataclasses import dataclass
 from math import pi
@@ -18,7 +18,7 @@ class _Ranges:
     """Ranges [low, high] by axis; None: that axis stays where it is at the goal."""
 
     def as_dict(self):
-        """axis -> (low, high) of those that vary."""
+        """Returns axis -> (low, high) of the varying axes."""
         values = {key.name: getattr(self, key.name) for key in keys_of(type(self))}
         return {axis: ends for axis, ends in values.items() if ends is not None}
 
@@ -47,7 +47,7 @@ class BallRanges(_Ranges):
 
 @dataclass(frozen=True)
 class ViewRanges(_Ranges):
-    """Section `sweep.view`: where in the image, and from what distance, the whole target is seen."""
+    """Section `sweep.view`: place of the target in the image, and its distance."""
 
     u: Range = setting(
         (-1.0, 1.0), **RANGE, at_least=-1, at_most=1,
@@ -112,7 +112,7 @@ class SweepSection:
 
 @dataclass(frozen=True)
 class Perturbations:
-    """Section `sweep.perturb`: what has a name of its own; other values have a path."""
+    """Section `sweep.perturb`: named perturbations; other values have a path."""
 
     z_star_error: object = setting(
         None, at_least=-0.95,

@@ -83,7 +83,7 @@ class Arrival(Stage):
         return tick.rest(Status.CONVERGED, f"features, tilt and pose within their thresholds{displaced}")
 
     def _unknown(self, X_BC: np.ndarray) -> str:
-        """Returns what is not known of the pose and will not be, in words; an empty text if there is nothing."""
+        """Returns a text about the part of the pose that no image determines; "" if there is none."""
         if self._unseen:
             return f"{', '.join(self._unseen)} not seen"
         if not self._config.follows and self._goal.turned_alike(X_BC):
@@ -105,11 +105,11 @@ class Arrival(Stage):
 
 
 def displaced_target(X_CgC: np.ndarray, pose: Optional[np.ndarray], stop: StopSettings) -> str:
-    """Returns how far the target is from where it was taught, in words; an empty text if it is found there.
+    """Returns a text about the displacement of the target since it was taught; "" without one.
 
-    A camera that sees a target at rest as it was taught stands where it was taught. The joints say where it stands, the
-    image says how far it is from the view that was taught. What is left between the two is how far the target has been
-    moved, or what the arm, its model or the camera's calibration err by: from here the two cannot be told apart.
+    A camera that sees a target at rest as it was taught stands where it was taught. The joints
+    give its pose, and the image its displacement from the taught view. Their difference is the motion of the target, or
+    an error of the arm, its model or the camera's calibration. The servo cannot distinguish these.
     Args:
         X_CgC: (4, 4) pose of the camera by the joints, relative to the taught one.
         pose: (6,) displacement from the taught view by the image, small [m, rad]; None: not known.

@@ -3,10 +3,10 @@
 Between two looks the features change by L times the camera's motion, which the joints tell, and by the motion of the
 target, which the filter estimates as a rate of each feature. So
 
-1. a look at the target corrects what was foreseen, which smooths noise;
-2. a look without it is answered with what is foreseen, for `outage_s`, and the servo goes on;
-3. with a latency, what is answered are the features of the time at which the answer will act: the twists that were
-   commanded since the image was taken are added.
+1. a look at the target corrects the prediction, which smooths noise;
+2. a look without the target is answered with the prediction, for `outage_s`, and the servo goes on;
+3. with a latency, the answer has the features of the time at which it will act: the filter adds the twists commanded
+   since the image was taken.
 
 Reference: W. J. Wilson, C. C. Williams Hulls, G. S. Bell, "Relative end-effector control using Cartesian position based
 visual servoing", IEEE T-RA 12(5), 1996 (Kalman filter in the loop, through lost features); P. I. Corke, "Visual control

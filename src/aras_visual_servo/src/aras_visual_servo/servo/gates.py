@@ -20,13 +20,13 @@ SETTLING = "settling"
 
 
 class Hindrance:
-    """Remembers since when, and by what, the arm is kept from the motion that the law asks for."""
+    """Tracks since when, and for which reason, the arm cannot follow the law."""
 
     def __init__(self) -> None:
         self._text, self._since_ns, self._last_ns = "", 0, 0
 
     def note(self, tick: Tick) -> Tick:
-        """Notes what holds the arm back at an answered image. Returns the tick; a standing arm says why it stands."""
+        """Notes the hindrance at an answered image. Returns the tick, with the reason if the arm stands still."""
         if tick.status in FINAL:
             return tick
         if not tick.held and _stands(tick):
@@ -41,16 +41,16 @@ class Hindrance:
         return not self._text or stamp_ns - self._last_ns > 1e9 * FREE_S
 
     def seen(self, stamp_ns: int, text: str) -> None:
-        """At this image the arm could not do the motion in full, for the reason of this text."""
+        """Notes that the arm could not do the motion in full at this image, for the reason `text`."""
         if self._is_over(stamp_ns):
             self._since_ns = stamp_ns
         self._text, self._last_ns = text, stamp_ns
 
     def words(self, stamp_ns: int) -> str:
-        """For how long the arm has been held back until now, and by what; an empty text if it is not."""
+        """Returns for how long the arm has been hindered, with the reason; "" if it is not."""
         if self._is_over(stamp_ns):
             return ""
-        return f"for the last {1e-9 * (stamp_ns - self._since_ns):.1f} s the arm could not do what was asked " \
+        return f"for the last {1e-9 * (stamp_ns - self._since_ns):.1f} s the arm could not follow the law " \
                f"({self._text})"
 
 
@@ -59,19 +59,19 @@ def _stands(tick):
 
 
 def _why_still(tick):
-    """Why the joints stand still at an image at which no stage has said that it holds them; "" if that is usual."""
+    """Returns why the joints stand still although no stage reports a hindrance; "" if that is expected."""
     if tick.text == SETTLING:
         return ""
     if tick.rests or tick.status != Status.SERVOING or not tick.text.startswith("servoing"):
         return tick.text
     if not tick.answer.twist.any():
         return "the law asks for no motion"
-    return "no motion is left of what the law asks for" if not tick.twist.any() else "the joints get no velocity for it"
+    return "the stages remove all of the law's motion" if not tick.twist.any() else "the joints get no velocity for it"
 
 
 @dataclass(eq=False)
 class TimeLimit(Stage):
-    """Ends the servo `time_limit_s` after its start, and says why it has not converged and what held the arm back."""
+    """Ends the servo `time_limit_s` after its start. The text names the lacking features and the hindrance."""
 
     config: Any  # ServoSettings
     start_ns: int

@@ -1,4 +1,4 @@
-"""The pose that the errors of features stand for at the goal (T60), and what of it the features do not tell (T73)."""
+"""The pose error that the feature errors imply at the goal (T60), and its undetermined part (T73)."""
 
 from functools import cached_property
 from math import cos, nan, sin
@@ -29,7 +29,7 @@ ALIKE = 0.02
 
 
 class LeftOpen(NamedTuple):
-    """What images of a goal do not tell of the displacement from it, however many there are (T73).
+    """Part of the displacement from a goal that no number of images determines (T73).
 
     Attributes:
         edge_stddev: of the taught view; NaN: not known.
@@ -92,7 +92,7 @@ class GoalPose:
 
     @cached_property
     def left_open(self) -> LeftOpen:
-        """What images do not tell. Where a law measures the pose it is told by the points."""
+        """Returns the part of the pose that images do not determine. A law that measures the pose uses the points."""
         view = self._view
         if view is None:
             return LeftOpen()

@@ -1,4 +1,4 @@
-"""What the arm does while the target is not seen: hold still, go back along the path it came, or search.
+"""Behaviour of the arm while the target is not seen: hold still, go back along its path, or search.
 
 The arm moves only in answer to an image that came in time. Without an image it holds still, whatever is configured
 here.

@@ -3,7 +3,7 @@
 `out_of_reach.py` watches the camera for seconds until it is sure that the arm is at its end. This stage asks the
 kinematics where the end is:
 
-1. The law stalls: the camera follows less than STALLS of what the law asks for, for STALL_S; or a joint chatters.
+1. The law stalls: the camera follows less than STALLS of the law's twist for STALL_S; or a joint chatters.
 2. The goal is placed by the pose that the errors of the features stand for (T60). If `arm.nearest` finds that the arm
    cannot bring the camera there, the joints are driven to where it comes nearest. A stretched arm does not chatter
    there, because the joint positions are sought and not the inverse of a singular Jacobian.
@@ -29,7 +29,7 @@ from .stage import Tick
 if TYPE_CHECKING:  # C++: not needed to describe the settings of this file
     from ..arm.motion import ArmMotion, Motion
 
-#: Part of what is asked for that the camera follows when the law stalls, for this time. Both are averaged over MEAN_S.
+#: The law stalls when the camera follows less than this part of its twist for this time. Both are averaged over MEAN_S.
 STALLS, STALL_S, MEAN_S = 0.5, 0.3, 0.2
 #: Slower twists do not count as stalled [m/s], rotations times DISTANCE_M: a distance from which targets are seen [m].
 LEAST, DISTANCE_M = 1e-3, 0.3
@@ -68,7 +68,7 @@ AT_LIMIT = 1e-4
 
 @dataclass(frozen=True)
 class OutOfReachSettings:
-    """Section `servo.out_of_reach`: what the arm does when the target is where the camera cannot follow."""
+    """Section `servo.out_of_reach`: behaviour of the arm when the camera cannot follow the target."""
 
     rest_s: float = setting(
         2.0, unit="s", at_least=0,
@@ -89,7 +89,7 @@ class NearestPoint:
         self.clear()
 
     def clear(self) -> None:
-        """Forgets the past: the arm was stopped by something else, or follows the law."""
+        """Clears the history: another stage stopped the arm, or the arm follows the law."""
         self.active = self.over = self.hindered = self._helps = False
         self._X_BC: Optional[np.ndarray] = None
         self._asked, self._done, self._stamp_ns = np.zeros(6), np.zeros(6), 0
@@ -145,7 +145,7 @@ class NearestPoint:
             self._since_ns = tick.stamp_ns
 
     def _tells(self, tick: Tick, times: float) -> Tuple[float, float]:
-        """Returns to what the goal's place is known [m, rad]. Args: times: what the stop rule allows, at least."""
+        """Returns the uncertainty of the goal's place [m, rad]. Args: times: least, in stop-rule limits."""
         distance_m = float(np.linalg.norm(tick.pose[:3]))
         return max(times * self._stop.position_m, TOLD_PART * distance_m), \
             max(times * self._stop.rotation_rad, TOLD_RAD_PER_M * distance_m)
@@ -171,7 +171,7 @@ class NearestPoint:
         return self._arm.driven(tick.q, rate * way, tick.jacobian, tick.dt_s, status, text)
 
     def _stalls(self, tick: Tick) -> bool:
-        """Whether the camera has not followed what was asked for, for long enough to ask why."""
+        """Returns whether the camera has not followed the law for long enough to look for a reason."""
         before, self._X_BC, dt_s = self._X_BC, tick.X_BC, 1e-9 * (tick.stamp_ns - self._stamp_ns)
         self._stamp_ns = tick.stamp_ns
         if before is None:

@@ -1,4 +1,4 @@
-"""Rests the arm where the camera comes no nearer to what the law asks for, and says in which direction it would go on.
+"""Rests the arm at the point nearest to the goal, and reports the direction in which the camera cannot continue.
 
 At the end of its workspace an arm cannot follow the law. The damped inverse then turns joints of a stretched arm to and
 fro from image to image, or a joint rests at its limit. Three steps follow each other:
@@ -26,11 +26,11 @@ from .stop_rule import StopRule
 WINDOW_S, CALM_WINDOW_S, LOOK_S = 2.0, 1.0, 0.25
 #: Drift (translation [m/s], rotation [rad/s]) below which the end may be reached, and below which the camera rests.
 DRIFT, RESTS = np.array([0.01, 0.015]), np.array([0.001, 0.002])
-#: The end is reached too where joints chatter for SLOW_S and the drift is less than this part of what is asked for.
+#: The end is reached too where joints chatter for SLOW_S and the drift is less than this part of the requested twist.
 SLOW, SLOW_S = 0.05, 12.0
 #: A commanded way above this that is longer than the drift goes to and fro [m/s, rad/s].
 SWINGS = np.array([0.01, 0.02])
-#: What is asked for at the end of the reach is this many times the drift, and at least LEAST [m/s, rad/s].
+#: At the end of the reach the requested twist is this many times the drift, and at least LEAST [m/s, rad/s].
 ASKED, LEAST = 5.0, np.array([0.003, 0.012])
 #: Factor on DRIFT where joints swing slowly.
 SWINGING = 3.0
@@ -38,9 +38,9 @@ SWINGING = 3.0
 STEADY = 0.5
 #: After this time in step 2 a camera that is slower than DRIFT, or swings, has come as far as it can [s].
 CALM_S = 4.0
-#: A lost direction is taken out when it holds this part of what is asked for.
+#: A lost direction is removed when it holds this part of the requested twist.
 TAKEN = 0.1
-#: The servo goes on when what is asked for has changed by this part; what is asked for is averaged over MEAN_S [s].
+#: The servo continues when the requested twist, averaged over MEAN_S [s], has changed by this part.
 CHANGED, MEAN_S = 0.1, 0.2
 
 
@@ -58,7 +58,7 @@ class OutOfReach:
         self.clear()
 
     def clear(self) -> None:
-        """Forgets the past: the arm was stopped by something else."""
+        """Clears the history: another stage stopped the arm."""
         self.asked: Optional[np.ndarray] = None
         self._text, self._calm_ns = "", None  # type: str, Optional[int]
         self._lost = np.zeros((0, 6))
@@ -92,18 +92,18 @@ class OutOfReach:
         return self._nearest is not None and self._nearest.over
 
     def left(self, twist: np.ndarray) -> np.ndarray:
-        """Returns what the arm is to do of a twist, (6,), that is asked for."""
+        """Returns the part of a requested twist, (6,), that the arm is to do."""
         return self._arm.without(twist, self._lost) if len(self._lost) else twist
 
     def told(self, asked: np.ndarray, left: np.ndarray, motion: Motion) -> Motion:
-        """Returns the `Motion` of what was `left` of a twist asked for, with the status that says what was left out."""
+        """Returns the `Motion` of the part `left` of a requested twist, with a status about the omitted part."""
         if left is asked or motion.status is not None:
             return motion
         text = f"the arm cannot go on {direction(asked - left)}, as seen in the camera's image"
         return motion._replace(status=Status.NEAR_SINGULARITY, text=text)
 
     def watch(self, tick: Tick, asked: np.ndarray, motion: Motion) -> None:
-        """Takes in what an image was answered with. Args: asked: (6,) twist asked for."""
+        """Updates the history with the answer to an image. Args: asked: (6,) requested twist."""
         if self._nearest is not None:
             self._nearest.hindered = motion.status is not None
         if not self._active or self.asked is not None or self._nearest is not None and self._nearest.active:
@@ -153,13 +153,13 @@ class OutOfReach:
             self._rest(motion)
 
     def _take_out(self, asked: np.ndarray) -> None:
-        """Takes lost directions out of what is asked for. Args: asked: (6,)."""
+        """Removes lost directions from the requested twist. Args: asked: (6,)."""
         lost = self._arm.lost_directions(np.mean([image[4] for image in self._images], axis=0))
         self._lost = lost[self._held_by(lost, asked)]
         self._forget()
 
     def _held_by(self, lost: np.ndarray, asked: np.ndarray) -> np.ndarray:
-        """(k,) whether each direction, (k, 6), holds a part of what is asked for that counts."""
+        """Returns (k,) whether each direction, (k, 6), holds a significant part of the requested twist."""
         scaled = self._arm.scaled(asked)
         return np.abs(lost @ scaled) > TAKEN * np.linalg.norm(scaled)
 
@@ -167,7 +167,7 @@ class OutOfReach:
         """((2,), (2,), (2,)): translation and rotation per second of the camera, as asked, and of the commanded way.
 
         The first two are of the mean place in the second half of the window against that in the first half, so that
-        what goes to and fro does not count.
+        an oscillation does not count.
         """
         stamps, place, asked, way, _ = zip(*self._images)
         half, period_s = len(stamps) // 2, 0.5e-9 * (stamps[-1] - stamps[0])

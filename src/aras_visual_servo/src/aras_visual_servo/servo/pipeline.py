@@ -23,7 +23,7 @@ from .visibility import Visibility
 
 def make_stages(goal: Goal, arm: ArmMotion, config: ServoSettings, start_ns: int,
                 set_point: Optional[np.ndarray] = None) -> Tuple[List[Stage], LostTarget, Hindrance]:
-    """Returns new stages, which have no past, the one that recovers a lost target, and what notes standstills.
+    """Returns new stages without history, the one that recovers a lost target, and the tracker of standstills.
 
     Args: start_ns: start of the time limit.  set_point: (n,) joint set-points commanded last, None: as measured.
     Raises ParameterError.

@@ -95,7 +95,7 @@ class Servo:
         return np.full(len(goal.features), nan)
 
     def split(self, q: np.ndarray, q_dot: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-        """Returns ((n,), (n,)): what of the joint velocities q_dot at q moves the camera, and the null-space motion."""
+        """Returns ((n,), (n,)): the parts of q_dot at q that move the camera, and that stay in the null space."""
         return self._arm.split(q, q_dot)
 
     def configure(self, law: str = "", gains_per_s: Sequence[float] = (), thresholds: Sequence[float] = (),
@@ -169,7 +169,7 @@ class Servo:
         """Answers one image.
 
         Args: observation: at this image. dt_s: time to the next image, through which the command holds [s].
-            q: (n,) its joint positions, from a caller that has them as an array, which nobody changes any more.
+            q: (n,) its joint positions, from a caller that has them as an array and never changes it.
         """
         if self.status == Status.IDLE:
             tick = self._tick.set(stamp_ns=observation.stamp_ns, text="not started")
@@ -188,7 +188,7 @@ class Servo:
             tick = self._lost.recover(tick, str(error))
         except NotFiniteError as error:
             tick = tick.rest(Status.FAULT, f"not finite: {error}")
-        except (Exception, SystemExit) as error:  # a law, feature or stage of somebody else: the arm must stand still
+        except (Exception, SystemExit) as error:  # a law, feature or stage of a plugin: the arm must stand still
             tick = tick.rest(Status.FAULT, f"{stage.title}: {described(error)}")
         return self._rest(tick) if tick.rests else self._answer(tick)
 

@@ -35,7 +35,7 @@ OUTPUTS = ("joints", "twist")
 
 @dataclass(frozen=True, kw_only=True)
 class ServoSettings(LawSetup):
-    """Section `servo`; what all laws share it has from `LawSetup`. Gains, thresholds: in the order of `features`."""
+    """Section `servo`. Inherits the keys of all laws from `LawSetup`. Gains, thresholds: in the order of `features`."""
 
     law: str = setting(
         not_empty=True,
@@ -150,7 +150,7 @@ class ServoSettings(LawSetup):
         unknown = [name for name in features if not is_known(name)]
         faults += [Fault((*PATH, "features", i), f"found {name}, allowed {one_of(known_features(), name)}")
                    for i, name in enumerate(source["features"]) if name in unknown] if unknown else []
-        if unknown:  # what stands by the names of features is checked for those that are known
+        if unknown:  # check the values of known features only
             features = tuple(name for name in features if name not in unknown)
             source = {**source, **{table: {name: value for name, value in source[table].items()
                                            if name in features or not (is_known(str(name)) or name in unknown)}
@@ -211,7 +211,7 @@ _BY_FEATURE = tuple(key.name for key in keys_of(ServoSettings) if key.by == "fea
 
 
 def _partial(source, faults, more):
-    """What of the settings is right, with defaults in the place of the rest, and 1 for each gain that is wrong."""
+    """Returns the valid settings, with defaults for the others and 1 for each invalid gain."""
     bad, values = {fault.path[:2] for fault in faults}, {}
     for key in keys_of(ServoSettings):
         right = key.name in source and (*PATH, key.name) not in bad

@@ -1,4 +1,4 @@
-"""The stages of the servo: each takes what is known at one image, a `Tick`, and returns it.
+"""The stages of the servo: each takes the state at one image, a `Tick`, and returns it.
 
     @register_stage("slow", settings=SlowSettings)
     class Slow(Stage):
@@ -33,7 +33,7 @@ LATER: Any = None
 
 @dataclass(slots=True)
 class Tick:
-    """What is known at one image, and what is to be done. Each tick begins as the last one with a new observation.
+    """Inputs and outputs of the stages at one image. Each tick begins as the last one with a new observation.
 
     Attributes:
         stamp_ns: time of the image [ns].  dt_s: time to the next image, through which the answer holds [s].
@@ -48,7 +48,7 @@ class Tick:
         pose: (6,) displacement of the camera from the goal that the errors stand for (T60); None: not known.
         applied: (6,) V_C that the arm was given at the last image; None: it was at rest.
         status, text: `Status`, and why.
-        held: what keeps the arm from the motion that is asked for at this image, in words; "" if nothing does.
+        held: reason why the arm cannot do the requested motion at this image; "" if it can.
         q_dot: (n,) joint velocities of the command [m/s, rad/s]; None: not decided, the next stage goes on.
         set_point: (n,) joint positions of the command, None: none.  rests: the arm is stopped at this image.
         over: the servo ends with this image, whatever its status.
@@ -113,14 +113,14 @@ class Stage:
 
     @property
     def title(self) -> str:
-        """What a fault calls the stage."""
+        """Returns the name of the stage for faults."""
         return f"stage '{self.name or type(self).__name__}'"
 
     def set_reference(self, reference: Reference) -> None:
         """Takes over the goal, a `Reference`."""
 
     def apply(self, tick: Tick) -> Tick:
-        """Returns the tick with what this stage decides."""
+        """Returns the tick with the decision of this stage."""
         raise NotImplementedError
 
     def rest(self, tick: Tick) -> Tick:

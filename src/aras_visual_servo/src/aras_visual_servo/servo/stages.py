@@ -1,4 +1,4 @@
-"""Stages from the law to the joints: what makes the twist, and what turns it into joint velocities."""
+"""Stages from the law to the joints: computation of the twist, and of the joint velocities."""
 
 from dataclasses import dataclass
 from math import exp, expm1
@@ -186,7 +186,7 @@ class JointVelocity(Stage):
 
     @property
     def title(self) -> str:
-        """What a fault calls the last stage: most of what can fail is the law's."""
+        """Returns the name of the last stage for faults: most of them come from the law."""
         return f"law '{self.law.name}'"
 
     def apply(self, tick: Tick) -> Tick:

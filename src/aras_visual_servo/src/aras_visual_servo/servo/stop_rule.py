@@ -1,4 +1,4 @@
-"""When the servo has arrived: the features, what else is held, and the pose that the errors stand for, all together.
+"""Stop rule: the servo has arrived when features, other bounds and the implied pose error are all within limits.
 
 Feature errors alone do not tell: a tilt of the camera and a translation cancel in xn and yn. So CONVERGED asks for four
 things at once, over `hold_s`: the mean of every feature error below its threshold; the tilt that is held from the
@@ -7,9 +7,9 @@ and `rotation_rad`; and a camera that moves by less than half of these. The disp
 laws that work on the pose give it themselves. Images of the last AVERAGED_S seconds are averaged, and the standard
 error counts as distance, so that noise cannot pass for arrival (T61).
 
-What no number of images tells counts too: where the sides of the object are within the steps of the grey levels, how
-the target's plane lies, and motions that the features do not see (T73). Where all but that is within its threshold, the
-servo has settled: SETTLED, with what is not known.
+Quantities that no number of images determines count too: the sides of the object within the steps of the grey levels,
+the tilt of the target's plane, and motions that the features do not see (T73). If all others are within their
+thresholds, the servo ends as SETTLED and names the undetermined quantities.
 
 The published rule, |e| < thresholds and nothing else, is there by name. It ends a run with a status of its own.
 """
@@ -49,7 +49,7 @@ PATIENCE_S, CALM_PER_S = 2.0, 1.0
 
 @dataclass(frozen=True)
 class StopSettings:
-    """Section `servo.stop`: what CONVERGED asks for beside `thresholds` and `hold_s`."""
+    """Section `servo.stop`: conditions of CONVERGED in addition to `thresholds` and `hold_s`."""
 
     rule: str = setting(
         "pose", choices=RULES,
@@ -88,7 +88,7 @@ class StopRule:
         """Args: names, thresholds: of the features. follows: the goal may move.
 
         taught_images: number of images whose mean is the goal: their noise counts too.
-        left_open: what images do not tell.
+        left_open: the part of the pose that images do not determine.
         """
         from .._kinematics import Arrival, between  # C++: not needed to describe the settings of this file
         self._names, self._thresholds, self._settings = names, thresholds, settings
@@ -182,7 +182,7 @@ class StopRule:
         return 1.0 if over_s <= 0.0 else max(1.0 / (1.0 + over_s), min(1.0, CALM_PER_S / rate_per_s))
 
     def why_not(self) -> str:
-        """Returns what was lacking at the last image, in words."""
+        """Returns a text about the conditions that failed at the last image."""
         return ", ".join(self.lacking) or ("a pose that is known well enough" if self.uncertain else
                                            "everything for less than hold_s")
 

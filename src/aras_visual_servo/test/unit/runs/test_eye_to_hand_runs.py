@@ -71,7 +71,7 @@ def test_the_report_shows_what_moved():
     record = avs.run(load_scenario("eye_to_hand", {"servo.time_limit_s": 0.2}))
     assert panel_title(record, "path") == "path of the target"
     page = report_html(record, summarise(record))
-    assert "Where the target ended" in page and "path of the target in the world" in page
+    assert "Final pose of the target" in page and "path of the target in the world" in page
     moved = np.linalg.norm(np.diff(record.target_poses[record.servo_rows][:, :3, 3], axis=0), axis=1).sum()
     assert measures(record, *np.full((2, 6), np.inf))["path_mm"] == pytest.approx(1e3 * moved)
 

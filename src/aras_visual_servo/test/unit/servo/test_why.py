@@ -80,7 +80,7 @@ def test_a_goal_out_of_the_joints_reach_ends_with_the_joint_and_for_how_long():
     bench.camera.X_WT[1, 3] += 1.5
     last = bench.run()
     assert last.status == Status.TIMED_OUT
-    found = re.search(r"for the last ([0-9.]+) s the arm could not do what was asked \((.*)\)", last.status_text)
+    found = re.search(r"for the last ([0-9.]+) s the arm could not follow the law \((.*)\)", last.status_text)
     assert found and "gantry" in found.group(2)
     assert 1.0 < float(found.group(1)) < 6.0
 
@@ -89,7 +89,7 @@ def test_a_goal_that_the_arm_cannot_stand_at_ends_with_the_reason():
     bench = Bench(thresholds=THRESHOLDS, stop=STOP)
     bench.camera.X_WT[0, 3] -= 0.02  # towards the stretched elbow
     last = bench.run()
-    assert last.status == Status.TIMED_OUT and "the arm could not do what was asked" in last.status_text
+    assert last.status == Status.TIMED_OUT and "the arm could not follow the law" in last.status_text
 
 
 def test_a_hindrance_is_forgotten_when_the_arm_has_been_free():

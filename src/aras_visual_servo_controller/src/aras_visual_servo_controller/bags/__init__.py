@@ -1,1 +1,1 @@
-"""Bags: what is recorded, reading a run back from a recording, and replaying its images."""
+"""Bags: recorded topics, reading a run from a recording, and replay of its images."""

@@ -10,7 +10,7 @@ from .files import MAGIC, NAMES, BagError, BagFiles
 class AnyBag:
     """Context in which a bag is open: a file .bag, .mcap or .db3, or a folder of ROS 1 bags or of a rosbag2.
 
-    Attributes: name: of the bag, for messages.  notes: what was joined or repaired, in words.
+    Attributes: name: of the bag, for messages.  notes: texts about joined and repaired parts.
     Raises: BagError: there is no such file, or it cannot be read.  MissingExtra: rosbags is not installed.
     """
 
@@ -44,7 +44,7 @@ class AnyBag:
 
     @property
     def notes(self) -> Tuple[str, ...]:
-        """What was joined or repaired, in words."""
+        """Returns texts about joined and repaired parts."""
         return () if self._files is None else tuple(self._files.notes)
 
     @property
@@ -87,6 +87,6 @@ def _is_ros1(path):
     if path.is_dir():
         return any(True for pattern in NAMES for _ in path.glob(pattern)) and not (path / "metadata.yaml").exists()
     if not path.exists():
-        return path.suffix not in (".mcap", ".db3")  # BagFiles tells what is beside
+        return path.suffix not in (".mcap", ".db3")  # BagFiles reports the missing file
     with open(path, "rb") as stream:
         return stream.read(len(MAGIC)) == MAGIC

@@ -32,7 +32,7 @@ def read_bag(paths: Union[str, Path, Sequence[Union[str, Path]]], namespace: Opt
         namespace: of the run, e.g. "/aras_visual_servo"; None takes the only one in the bag.
         scenario: `Scenario` of the run; None takes it from the topic `scenario` (std_msgs/String, YAML) if recorded.
         keep_images: keep every image of the servo phase in the record, for a video.
-    Returns: RunRecord. Its `notes` say what was not recorded, is missing or was cut off.
+    Returns: RunRecord. Its `notes` name unrecorded, missing and truncated data.
     Raises:
         BagError: the file is missing or no bag, topics are missing (all are listed), there are several runs to choose
             from, or no row of a run.
@@ -121,7 +121,7 @@ def _read(bags, topics, scenario, keep_images):
 
 
 def _compare(bags, published):
-    """({topic: {"published": n, "in_bag": m}}, notes about what is missing). published: topic -> number."""
+    """({topic: {"published": n, "in_bag": m}}, notes about missing messages). published: topic -> number."""
     counts = {topic: {"published": number, "in_bag": bags.count(topic)}
               for topic, number in sorted(published.items())}
     return counts, [f"LOST in recording: {topic}: {count['published']} messages were published, {count['in_bag']} are "

@@ -20,14 +20,14 @@ NAMES = ("*.bag", "*.bag.active")
 
 
 class BagError(ArasError):
-    """A bag cannot be read, or lacks something that a record needs."""
+    """A bag cannot be read, or lacks data of a record."""
 
 
 class BagFiles:
     """Context in which the bags of a run are open, in the order of time.
 
     Args: paths: of a bag, of a folder of bags, or a list of bags. One part of a split bag stands for all of it.
-    Attributes: name: of the run, for messages.  notes: what was joined or repaired, in words.
+    Attributes: name: of the run, for messages.  notes: texts about joined and repaired parts.
     Raises: BagError: a file is missing, is no bag, or cannot be repaired.
     """
 
@@ -115,7 +115,7 @@ class BagFiles:
 
 
 def find_bags(paths: Any) -> Tuple[List[Path], List[str]]:
-    """(files, notes) of a run: list of Path, and list of str saying what was joined or is missing.
+    """(files, notes) of a run: list of Path, and list of texts about joined and missing parts.
 
     Args: paths: list of bags and folders.
     Raises: BagError: a file does not exist, or a folder holds no bag.

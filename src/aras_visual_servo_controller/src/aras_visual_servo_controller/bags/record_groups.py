@@ -1,4 +1,4 @@
-"""Groups of topics that a run records, chosen by name, and what a report lacks without each of them. No ROS."""
+"""Groups of topics that a run records, chosen by name, and the parts of a report that need them. No ROS."""
 
 from typing import Iterable, List, Sequence, Tuple
 
@@ -19,15 +19,15 @@ GROUPS = {
     "status": ("sim/status",),
     "other": (),
 }
-# Group -> part of the names of what is made only for somebody who asks, of any camera. "all" does not name these.
+# Group -> part of the names of topics that are published only on request, of any camera. "all" excludes these.
 ON_DEMAND = {"converted": "/converted_image", "overlay": "/overlay", "depth": "/depth/",
              "segmentation": "/segmentation/"}
-# Parts of names that are never recorded: they can be made from what is.
+# Parts of names that are never recorded: other topics determine them.
 NEVER = ("/null_space_bars", "/camera_path", "/image_joint_states", "/parameter_descriptions", "/parameter_updates",
          "/compressed", "/theora", "/state")
 COMPRESSIONS = ("lz4", "bz2", "none")
 ALWAYS = "servo"       # always recorded: without it nothing can be reported
-# (topic, its group, what a report lacks without it).
+# (topic, its group, part of a report that needs it).
 NEEDED = (("ground_truth/camera_pose", "truth", "the true camera pose: nothing to judge by, no path"),
           ("camera/image_raw", "images", "the camera's images, the video and --replay"),
           ("camera/features", "features", "the features drawn into the video and --replay"),
@@ -87,6 +87,6 @@ def is_chosen(topic: str, namespace: str, groups: Sequence[str]) -> bool:
 
 
 def lacking(present: Iterable[str]) -> List[str]:
-    """What a report lacks if only the topics `present` (names without namespace) were recorded: list of sentences."""
+    """Returns sentences about missing parts of a report if only `present` (names without namespace) was recorded."""
     gone = [(topic, group, what) for topic, group, what in NEEDED if topic not in present]
     return [f"not recorded: {topic} (group {group}); the report lacks {what}" for topic, group, what in gone]

@@ -21,7 +21,7 @@ NOT_COMPARED = ("header", "age_s", "reference_stamp_ns")
 
 @dataclass(frozen=True)
 class Replay:
-    """What a replay found.
+    """Result of a replay.
 
     Attributes:
         images: number of images that were compared.  differences: lines "t, field: recorded, again".
@@ -97,7 +97,7 @@ def replay(paths: Any, namespace: Optional[str] = None, scenario: Optional[Scena
 
 
 class _Comparison:
-    """What a source makes of the images, against what was recorded of it."""
+    """Compares the features of a source, recomputed from the images, with the recorded ones."""
 
     def __init__(self, source, extractor, recorded):
         self._source, self._extractor, self._recorded = source, extractor, recorded

@@ -1,4 +1,4 @@
-"""The verb `calibrate NAME`: what a real arm needs, from images of a board."""
+"""The verb `calibrate NAME`: calibrations of a real arm from images of a board."""
 
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
@@ -15,7 +15,7 @@ BOARD = "--columns 8 --rows 5 --size-m 0.03"
 
 
 def _options(parser: ArgumentParser) -> None:
-    parser.add_argument("what", choices=tuple(CALIBRATIONS), help="what to calibrate: " + "; ".join(
+    parser.add_argument("what", choices=tuple(CALIBRATIONS), help="calibration: " + "; ".join(
         f"{name}: {each.about}" for name, each in CALIBRATIONS.items()))
     parser.add_argument("files", nargs="+", metavar="FILE",
                         help="; ".join(f"{name}: {each.files}" for name, each in CALIBRATIONS.items()))
@@ -34,7 +34,7 @@ def _options(parser: ArgumentParser) -> None:
                                                        "and robot.base_link")
     parser.add_argument("--link", default="", help="the link that carries the camera; eye_to_hand: the board")
     parser.add_argument("--z-star-m", type=float, default=0.5, metavar="M",
-                        help="depth of the target at the goal, for what the error costs there (default: 0.5)")
+                        help="depth of the target at the goal, at which the error is stated (default: 0.5)")
     parser.add_argument("--output", metavar="FILE", help="write the result there too: a camera_info file, or the part "
                                                          "of a scenario")
     parser.add_argument("--report", metavar="FILE", help="write a page of the values and residuals there")
@@ -63,10 +63,10 @@ def _calibrate(arguments: Namespace) -> int:
 
 
 def verdict(found: Calibrated, check: ResidualCheck) -> str:
-    """Returns what the residual says, in one sentence."""
+    """Returns the interpretation of the residual, in one sentence."""
     if check.fits is None:
         return "the board has too few points to tell the noise of the images"
-    times = f"the residual is {check.times:.2f} times what the noise of the points lets expect"
+    times = f"the residual is {check.times:.2f} times the one expected from the noise of the points"
     return times if check.fits else f"{times}: look for {found.advice}"
 
 
@@ -81,15 +81,15 @@ def _tell(found: Calibrated, check: ResidualCheck) -> None:
     print(f"# residual {found.residual_px:.3f} px over {len(found.names)} views, the worst "
           f"{found.view_residuals_px[worst]:.3f} px in {found.names[worst]}")
     print(f"# expected {check.expected_px:.3f} px; {verdict(found, check)}")
-    print(f"# what the error costs at the goal, one standard deviation {found.cost_unit}".rstrip())
+    print(f"# error at the goal, one standard deviation {found.cost_unit}".rstrip())
     for what, value in found.cost.items():
         print(f"#   {what}: {value:.3g}")
 
 
 VERBS = {"calibrate": cli.Command(
     "Calibrate a camera, its place on the arm, offsets of the joints, or the target's plane, from images of a "
-    "chessboard or of a grid of circles. Every result comes with its residual, beside what noise lets expect, and with "
-    "what its error costs at the goal.",
+    "chessboard or of a grid of circles. Every result has its residual, the residual expected from noise, and the "
+    "error that it causes at the goal.",
     [(f"camera images/*.png {BOARD} --output camera.yaml", "the intrinsics, as camera_info_url reads them"),
      (f"hand_eye samples.yaml --camera camera.yaml --scenario my_arm.yaml --link flange {BOARD}",
       "where the camera is on its link, for robot.hand_eye"),

@@ -33,7 +33,8 @@ def _options(parser: ArgumentParser) -> None:
                         help="the arm's model: a named arm, or the scenario file that `robot add` made of a URDF")
     parser.add_argument("--payload", metavar="LINK", help="fit a payload on this link")
     parser.add_argument("--joint-states", metavar="TOPIC", help="topic of the joint states, where the bag has two arms")
-    parser.add_argument("--board", choices=KINDS, help="fit what images of a resting board of this kind tell, too")
+    parser.add_argument("--board", choices=KINDS,
+                        help="also fit camera and image delay from images of a resting board of this kind")
     parser.add_argument("--columns", type=int, help="of the board: inner corners, or circles, in a row")
     parser.add_argument("--rows", type=int, help="of the board: rows of them")
     parser.add_argument("--size-m", type=float,
@@ -201,6 +202,6 @@ def _limit_faults(log: JointLog, kinematics: Any) -> Iterator[str]:
 VERBS = {"identify": cli.Command(
     "Identify an arm from a bag of its joint states and commands. Friction, loops, payload, gravity and delay are "
     "fitted, each with a 95 % interval, and the robot is written as a file that scenarios extend.",
-    [("run.bag --robot iiwa7 --payload tool0", "a named arm with something in its hand"),
+    [("run.bag --robot iiwa7 --payload tool0", "a named arm with a payload"),
      ("--excite --robot ur5e", "a motion that tells the parameters, to play on the arm and record")],
     _options, _identify)}

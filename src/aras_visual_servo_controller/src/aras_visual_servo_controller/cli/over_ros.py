@@ -1,4 +1,4 @@
-"""What `aras-servo run --ros` needs: its options, and the run over roslaunch."""
+"""Options of `aras-servo run --ros`, and the run over roslaunch."""
 
 import os
 import re

@@ -32,7 +32,7 @@ class ActionServer(actionlib.SimpleActionServer):
         take = self.action_server.internal_goal_callback
 
         def look_and_take(goal):
-            # Older than what was cancelled: it is that, or the clock that has gone back is still on its way.
+            # Older than the cancelled goal: it is that goal, or the clock message after a reset is still on its way.
             until_s = time.monotonic() + CLOCK_S
             while (rospy.Time() < goal.goal_id.stamp <= self.action_server.last_cancel
                    and rospy.get_rostime() >= self._newest and time.monotonic() < until_s):
@@ -96,7 +96,7 @@ class GoalSender:
             self.send(self._goal, now_s)
 
     def heard(self, statuses: Dict[str, bool]) -> None:
-        """Note what the action server said. Args: statuses: dict of goal id -> whether it is still pending."""
+        """Notes the statuses of the action server. Args: statuses: dict of goal id -> whether it is still pending."""
         self.taken = self.taken or not statuses.get(self.goal_id, True)
 
 
@@ -105,7 +105,7 @@ def call_service(name: str, kind: Any, *arguments: Any) -> Any:
 
     Raises:
         ParameterError: it answers `success: false`; with its message.
-        rospy.ROSException: nobody offers it within SERVICE_TIMEOUT_S.  rospy.ServiceException: it fails.
+        rospy.ROSException: no node offers it within SERVICE_TIMEOUT_S.  rospy.ServiceException: it fails.
     """
     rospy.wait_for_service(name, SERVICE_TIMEOUT_S)
     answer = rospy.ServiceProxy(name, kind)(*arguments)

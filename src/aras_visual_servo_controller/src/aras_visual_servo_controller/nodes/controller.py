@@ -1,5 +1,5 @@
-"""Node `controller`: answers every image with one command. This file holds ROS wiring only; what the answer is, is
-decided by `run/session.py` and the core.
+"""Node `controller`: answers every image with one command. This file holds ROS wiring only. The session and the
+core of aras_visual_servo decide the answer.
 
 Threads: rospy calls back from one thread per connection, and one worker thread of this node runs goals, preempts and
 the watchdog. All of them take `_lock` first and the action server's lock second. The callbacks of the action server
@@ -156,7 +156,7 @@ class ControllerNode:
 
     def _restart_time(self):
         """Start anew, since time went back. A goal that has seen no image yet belongs to the new time and goes on."""
-        rospy.loginfo("time went back: starting anew")  # somebody asked for it
+        rospy.loginfo("time went back: starting anew")  # after a reset of the simulator
         self._integrator.reset()
         if not self._session.unseen:
             self._stop("time went back")
@@ -164,7 +164,7 @@ class ControllerNode:
         self._server.look_at_time()
 
     def _answer(self, stamp_ns, features, joints):
-        """Answer one image: send the command first, then the record of what was seen and done. Never raises."""
+        """Answers one image: sends the command first, then the record of the look. Never raises."""
         self._frame_id = features.header.frame_id
         session = self._session
         try:

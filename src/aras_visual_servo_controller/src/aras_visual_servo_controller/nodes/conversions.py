@@ -49,7 +49,7 @@ def message_class(name: str) -> Any:
 class LazyJointState(JointState):
     """A JointState that is unpacked only on demand, because only few of the joint states belong to an image."""
 
-    def __init__(self) -> None:  # without the generated constructor, which would fill six fields that nobody reads
+    def __init__(self) -> None:  # without the generated constructor, which would fill six unused fields
         self._data = b""
 
     def deserialize(self, data: bytes) -> "LazyJointState":
@@ -114,7 +114,7 @@ class JointReader:
     def merged(self, message: Any, apart_s: float) -> Optional[np.ndarray]:
         """(n,) positions, by name from this message and those before; None while others have yet to come.
 
-        Args: apart_s: what is older than this message by more than this time counts as missing.
+        Args: apart_s: data older than this message by more than this time count as missing.
         Raises: ShapeError: joints have been missing for MISSING_NS, or the array has another length than names.
         """
         at_ns, q = stamp_ns(message.header), self.known_positions(message)

@@ -32,7 +32,7 @@ from .graph import Graph
 from .parameters import Parameters
 from .recording import Recording
 
-NODES = ("sim", "controller")   # and who publishes FEATURES: a node of its own, or one in the simulator's process
+NODES = ("sim", "controller")   # and the publisher of FEATURES: a node, or a nodelet in the simulator's process
 FEATURES = "camera/features"
 OUTSIDE = ("/clock", "/tf", "/tf_static")
 PRIVATE_PARAMETERS = ("results_dir", "record", "record_groups", "record_split_mb", "record_compression", "video",
@@ -43,7 +43,7 @@ EXIT_PASSED, EXIT_FAILED, EXIT_PARAMETERS, EXIT_BROKEN = range(4)
 
 
 class RunError(ArasError):
-    """The run cannot be made or cannot go on; the text says what is missing."""
+    """The run cannot start or continue; the text names the missing part."""
 
 
 class ExperimentNode:
@@ -91,7 +91,7 @@ class ExperimentNode:
             wall_s = self._drive()
         except BaseException:
             with signals_held():
-                self._end_recording()  # what it says is not the reason
+                self._end_recording()  # its error is not the reason
             raise
         if self._recording is not None:
             with signals_held():
@@ -150,7 +150,7 @@ class ExperimentNode:
                 for topic, publisher, subscriber in self._graph.missing_connections(self._nodes())]
 
     def _wait(self, what, missing, timeout_s):
-        """Wait on wall time until missing() gives an empty list. Raises RunError, which names what is still missing."""
+        """Waits on wall time until missing() returns an empty list. Raises RunError with the missing parts."""
         deadline = time.monotonic() + timeout_s
         while True:
             lacking = missing()
@@ -198,7 +198,7 @@ class ExperimentNode:
                 last_time, moved_s = stamp, now_s
             elif now_s - moved_s > self._stall_timeout_s:
                 raise RunError(f"simulated time stands still at {stamp.to_sec():.3f} s, held by "
-                               f"{self._status.held_by or 'nobody'}")
+                               f"{self._status.held_by or 'no node'}")
         if lockstep:
             self._wait("the answer to the last image", lambda: [] if self._answered() else ["a later time"], 10.0)
             self._let_it_end()
@@ -339,7 +339,7 @@ def main() -> int:
         path, code = "", EXIT_BROKEN
         try:
             with study("report").Drawing(at_once=False) as drawing:
-                rospy.init_node("experiment", disable_signals=True)  # rospy would not end what runs in the main thread
+                rospy.init_node("experiment", disable_signals=True)  # rospy would not end the main thread
                 path = rospy.get_param("~exit_code_file", "")
                 code = ExperimentNode(drawing).run()
         except Interrupted as interrupt:

@@ -1,4 +1,4 @@
-"""What the experiment node has to know of the ROS graph: which nodes are up, and which of them are really connected.
+"""State of the ROS graph for the experiment node: running nodes, and established connections.
 
 The master only knows which nodes *want* to talk to each other, and a message that is published before they are
 connected is lost. Therefore the nodes themselves are asked for their connections (slave API `getBusInfo`), and a run

@@ -21,14 +21,14 @@ from aras_visual_servo.processes import processes_of
 ORDERLY_S = 2.0    # wall time that nodes get to end, before they are killed
 RECORDER_S = 60.0  # wall time that the simulator gets to close its bag on a slow disk
 POLL_S = 0.02
-CHILDREN_S = 0.2   # wall time between looks at what roslaunch has started
+CHILDREN_S = 0.2   # wall time between looks at the children of roslaunch
 LAUNCHER, RECORDER = "roslaunch", "sim_node"  # names of their processes; the simulator writes the bag
 
 
 def end_launch(mark: str) -> None:
     """End everything that was started in the environment of this mark: roslaunch first, which then ends its nodes.
 
-    What is left after ORDERLY_S is killed, but for the simulator, which gets RECORDER_S to close its bag.
+    Processes that remain after ORDERLY_S are killed, but for the simulator, which gets RECORDER_S to close its bag.
     """
     left = processes_of(mark)
     _signal([pid for pid, name in left.items() if name == LAUNCHER], signal.SIGTERM)
@@ -70,7 +70,7 @@ def children_of(pid: int) -> Set[int]:
 
 
 def guard_launch() -> int:
-    """As a child of roslaunch: wait for its end, and end what it leaves. Returns the exit code."""
+    """As a child of roslaunch: waits for its end, and ends its remaining processes. Returns the exit code."""
     signal.signal(signal.SIGINT, lambda *_: sys.exit(0))  # roslaunch ends in order
     parent = os.getppid()
     lives, siblings = os.pidfd_open(parent), {}  # file descriptors stand for the same process for good, pids do not

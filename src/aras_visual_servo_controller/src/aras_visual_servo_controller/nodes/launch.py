@@ -43,7 +43,7 @@ def run_over_ros(scenario: Scenario, results_dir: str, arguments: Sequence[str] 
     Returns: exit code of the experiment node: 0 passed, 1 not passed, 2 bad parameters, 3 could not run.
     Raises:
         ArasError: there is no roslaunch in PATH, or a run of this namespace is there already.
-        Interrupted: by a signal; what was recorded is in a closed bag.
+        Interrupted: by a signal; the recording is in a closed bag.
     """
     environment = marked(_environment(dict(os.environ)))
     if environment.get("PYTHONPATH"):  # nodes run in another folder, and must find the same modules
@@ -114,7 +114,7 @@ def _folders(parent):
 
 
 def _keep_log(parent, before, log):
-    """Copy what the nodes said into the folder of the run. Returns the new folders, sorted."""
+    """Copies the logs of the nodes into the folder of the run. Returns the new folders, sorted."""
     made = sorted(_folders(parent) - before)
     for folder in made[-1:]:
         try:
@@ -125,7 +125,7 @@ def _keep_log(parent, before, log):
 
 
 def _tell(parent, before, log, code):
-    """Print the outcome of the run that made a folder in `parent`; without one, what the nodes said last."""
+    """Prints the outcome of the run that made a folder in `parent`; without one, the last log lines."""
     made = _keep_log(parent, before, log)
     if made and (made[-1] / "summary.json").is_file():
         summary = json.loads((made[-1] / "summary.json").read_text(encoding="utf-8"))

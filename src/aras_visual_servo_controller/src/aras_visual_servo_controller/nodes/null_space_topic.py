@@ -13,7 +13,7 @@ PERIOD_S = 0.1  # wall time between two images
 
 
 class _Loader(rospy.SubscribeListener):
-    """Loads what draws when somebody subscribes, in rospy's thread that connects them.
+    """Loads the drawing code on the first subscription, in rospy's connecting thread.
 
     It brings OpenCV along, which takes 0.2 s of CPU time: a run that nobody looks at does without, and no answer to an
     image waits for it.
@@ -24,13 +24,13 @@ class _Loader(rospy.SubscribeListener):
     bars = None
 
     def peer_subscribe(self, *_):
-        """Somebody has subscribed."""
+        """Called when a subscriber connects."""
         from . import null_space_bars
         self.bars = null_space_bars
 
 
 class NullSpaceTopic:
-    """Draws and publishes the image only while somebody subscribes to it.
+    """Draws and publishes the image only while it has subscribers.
 
     Args: kinematics: `Kinematics`.  servo: `Servo`, whose inverse splits the joint velocities.
     """

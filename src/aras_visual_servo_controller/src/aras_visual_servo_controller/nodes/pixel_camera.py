@@ -11,7 +11,7 @@ from ..bags.bag import camera_info_of
 
 
 class PixelCamera:
-    """What `Source.read` has to know of the camera.
+    """Camera model for `Source.read`.
 
     Attributes: frame_id: of camera_info, "" before it has come.
     """
@@ -30,10 +30,12 @@ class PixelCamera:
             self._fault = str(error)
 
     def normalised(self, pixels: Sequence[Tuple[float, float]]) -> Tuple[np.ndarray, str]:
-        """Returns ((n, 2) x = X/Z and y = Y/Z with the lens undone, why there are none or "")."""
+        """Returns ((n, 2) x = X/Z and y = Y/Z without the lens distortion, reason of a failure or "")."""
         uv = np.array(pixels, dtype=float).reshape(-1, 2)
         if self._info is None or self._fault:
             return np.full(uv.shape, np.nan), self._fault
         xy = undistort(self._info, uv)
         outside = ~np.isfinite(xy).all(axis=1)
-        return xy, f"pixels: found {uv[outside].tolist()}, allowed what the lens shows" if outside.any() else ""
+        if not outside.any():
+            return xy, ""
+        return xy, f"pixels: found {uv[outside].tolist()}, allowed pixels that the lens model maps to a ray"

@@ -1,8 +1,8 @@
 """Node `controller` of a real arm (scripts/nodes/real_controller), which is no simulator in lockstep: any joint states,
 images and command topics.
 
-What the arm does is decided by `arm/real/arm_link.py`; this file is ROS wiring. One more thread than those of
-`ControllerNode` sends the commands, every `real.command_period_s` of ROS time, and looks whether the arm must rest.
+`real/arm_link.py` decides the motion of the arm. This file is ROS wiring. A thread in addition to those of
+`ControllerNode` sends the commands every `real.command_period_s` of ROS time, and checks whether the arm must rest.
 """
 
 import threading
@@ -35,8 +35,8 @@ class RealControllerNode(ControllerNode):
         parameters.check()
         settings = self._settings = RealSettings.from_dict(section, self._kinematics.joint_names)
         if self._float_publishers:
-            raise ParameterError("command_interface: found float64, allowed with a real arm: joint_command (what the "
-                                 "arm takes says real.command)")
+            raise ParameterError("command_interface: found float64, allowed with a real arm: joint_command; set the "
+                                 "message type by real.command")
         if settings.predict and self._servo.source.name != "moments":
             raise ParameterError(f"real.predict: found true with features of {self._servo.source.name}, allowed with "
                                  "features of moments and points")
@@ -61,7 +61,7 @@ class RealControllerNode(ControllerNode):
         rospy.Subscriber("deadman", Bool, self._on_deadman, tcp_nodelay=True)
         threading.Thread(target=self._command_loop, name="commands", daemon=True).start()
 
-    # --- what comes from the arm --------------------------------------------------------------------------------
+    # --- inputs from the arm --------------------------------------------------------------------------------
 
     def _on_joints(self, message):
         with self._lock:
@@ -110,7 +110,7 @@ class RealControllerNode(ControllerNode):
         self._timing_publisher.publish(message)
         rospy.loginfo_throttle(SHOW_LATENCY_S, "%s; %s", image.text("images"), joints.text("joint states"))
 
-    # --- what goes to the arm -----------------------------------------------------------------------------------
+    # --- commands to the arm -----------------------------------------------------------------------------------
 
     def _send(self, command):
         self._link.take(command, convert.now_ns())

@@ -1,4 +1,4 @@
-"""Has the simulator record topics into a bag. It holds the images and the time, so it can wait for what is written."""
+"""Has the simulator record topics into a bag. It controls images and time, so it can wait for the writer."""
 
 import time
 from pathlib import Path
@@ -12,7 +12,7 @@ from aras_visual_servo_msgs.srv import StartRecording
 
 SETTLED_S = 0.3           # wall time without growth after which nothing is on its way any more
 SETTLED_BYTES = 16384     # a bag that grows by less than this in that time gets no more images, only the clock
-SETTLE_LIMIT_S = 10.0     # wall time that the others get for what they still have to send
+SETTLE_LIMIT_S = 10.0     # wall time for the other nodes to send their last messages
 POLL_S = 0.05             # wall time between looks
 
 

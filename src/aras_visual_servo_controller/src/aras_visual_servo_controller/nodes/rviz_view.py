@@ -1,8 +1,8 @@
-"""Node `rviz_view`: what rviz shows of a servo run and cannot make itself, started by `servo.launch rviz:=true`.
+"""Node `rviz_view`: markers, images and buttons of a servo run for rviz, started by `servo.launch rviz:=true`.
 
 It publishes the view that was taught (`goal_view`), the errors as a curve (`error_plot`), the pyramid that the camera
 sees (`camera_frustum`), and buttons in the 3-D view (`buttons`): run again, servo to the taught view, stop, reset.
-It listens only, but for what a button asks for.
+It only listens, except for the actions of its buttons.
 """
 
 import time
@@ -31,7 +31,7 @@ PLOT_S = 0.2
 KEPT_IMAGES = 64
 #: Place of the first button in the world, and the way to the next [m].
 FIRST_BUTTON_M, BUTTON_WAY_M, BUTTON_M = (0.75, 0.55, 1.35), -0.19, 0.08
-#: Button: what stands on it, its colour.
+#: Button: its label, its colour.
 BUTTONS = {"run again": (0.20, 0.55, 0.25), "servo to the taught view": (0.15, 0.40, 0.75), "stop": (0.75, 0.20, 0.15),
            "reset": (0.45, 0.45, 0.45)}
 
@@ -79,7 +79,7 @@ class RvizView:
             rospy.Subscriber(source.topic, convert.message_class(source.message), self._on_features, queue_size=10)
         rospy.Subscriber("servo_state", ServoState, self._on_state, queue_size=10)
 
-    # --- what is shown ------------------------------------------------------------------------------------------
+    # --- display ------------------------------------------------------------------------------------------
 
     def _on_info(self, info):
         shape = info.header.frame_id, info.width, info.height, tuple(info.K)
@@ -114,7 +114,7 @@ class RvizView:
         self._plotted_s = now_s
         self._plots.publish(convert.picture_message(self._plot.draw(), stamp_ns, state.header.frame_id))
 
-    # --- what is pressed ----------------------------------------------------------------------------------------
+    # --- buttons ----------------------------------------------------------------------------------------
 
     def _pressed(self, feedback):
         if feedback.event_type != InteractiveMarkerFeedback.BUTTON_CLICK or feedback.marker_name not in BUTTONS:
@@ -126,7 +126,7 @@ class RvizView:
             rospy.logerr("rviz: %s: %s", feedback.marker_name, error)
 
     def press(self, name: str) -> None:
-        """Do what the button of this name is for.
+        """Runs the action of the button of this name.
 
         Raises: ParameterError: the service refuses.  ROSException, ServiceException: it cannot be called.
         """

@@ -1,1 +1,1 @@
-"""What a real arm needs beyond the simulator: joints at the time of an image, latency, limits, stops."""
+"""Additions for a real arm: joints at the time of an image, latency, limits, stops."""

@@ -1,4 +1,4 @@
-"""A real arm as the controller sees it: what comes from it is matched by time, what goes to it is kept within limits.
+"""Link between controller and real arm: matches its inputs by time, and limits its commands.
 
     link = ArmLink(kinematics, settings, input_timeout_s)
     link.joints(stamp_ns, q, now_ns)              # every joint state
@@ -6,7 +6,7 @@
     link.deadman(True, now_ns)                    # every message of the dead-man's switch
     for sight in link.sights(now_ns): ...         # images whose joint positions are known now, or that are refused
         link.take(command, now_ns)                # the answer of the session to it
-    tick = link.tick(now_ns)                      # every command period: what to send, and why the arm rests
+    tick = link.tick(now_ns)                      # every command period: the command, and the reason for a rest
 
 No ROS, no threads. All times are ROS time [ns]; with a real arm that is wall time.
 """
@@ -59,12 +59,12 @@ class Sight(NamedTuple):
 
 
 class Tick(NamedTuple):
-    """What a command period brings.
+    """Result of one command period.
 
     Attributes:
         point: `SetPoint` to send, None when nothing is to be sent.  unfit: `Unfit` while the arm must rest, or None.
-        slowed: what slowed or stopped the motion, in words; "" if nothing did.
-        blocked: a joint limit or the workspace did.
+        slowed: cause of a slower or stopped motion; "" without one.
+        blocked: whether a joint limit or the workspace stopped it.
     """
 
     point: Optional[SetPoint]
@@ -79,7 +79,7 @@ class ArmLink:
     Args:
         kinematics: `Kinematics`.  settings: `RealSettings`.
         command_timeout_s: a velocity that no newer command replaces ends after this time.
-    Attributes: image_latency, joint_latency: `Latency` of what came.
+    Attributes: image_latency, joint_latency: `Latency` of the received messages.
     """
 
     def __init__(self, kinematics: Any, settings: RealSettings, command_timeout_s: float) -> None:
@@ -103,7 +103,7 @@ class ArmLink:
         self._tick_ns = None
         self.release()
 
-    # --- what comes ---------------------------------------------------------------------------------------------
+    # --- inputs ---------------------------------------------------------------------------------------------
 
     def joints(self, stamp_ns: int, q: np.ndarray, now_ns: int) -> bool:
         """A joint state, (n,) [m, rad], with NaN for joints that the message does not name.
@@ -188,7 +188,7 @@ class ArmLink:
             point = sent
         return point
 
-    # --- what goes ----------------------------------------------------------------------------------------------
+    # --- outputs ----------------------------------------------------------------------------------------------
 
     def take(self, command: Command, now_ns: int) -> None:
         """Take a `Command`. One that names no joint changes nothing; zero velocity for all without a position rests."""
@@ -242,7 +242,7 @@ class ArmLink:
         if not resting and dt_s > 0.0:
             drive, slowed, blocked = self._move(dt_s)
         if not (np.isfinite(self._out).all() and np.isfinite(drive).all()):
-            self.release()  # nothing that is not finite may be sent; the driver holds what it has
+            self.release()  # non-finite values must not be sent; the driver holds its set-point
             return Tick(None, Unfit("the set-point is not finite", True))
         self._sent.append((now_ns, self._out))
         while now_ns - self._sent[0][0] > 1e9:
@@ -262,7 +262,7 @@ class ArmLink:
     def _move(self, dt_s):
         """Move the set-point by one period.
 
-        Returns: ((n,) velocities for a driver of velocities, what slowed them, whether a limit stopped them).
+        Returns: ((n,) velocities for a velocity driver, cause of a slowdown, whether a limit stopped them).
         """
         moved, way = self._kinematics.moved, self._kinematics.way
         wanted, measured = self._velocity, self._history.newest

@@ -9,7 +9,7 @@ from aras_visual_servo import RealSettings, accelerated, position_factor, veloci
 
 
 class MotionGuard:
-    """Makes velocities that the arm may do of those that are wanted.
+    """Limits the wanted joint velocities to allowed ones.
 
     Args: kinematics: `Kinematics`.  settings: `RealSettings`.
     """
@@ -27,7 +27,7 @@ class MotionGuard:
         """Velocities for the next period.
 
         Args: q: (n,) set-points now.  before: (n,) velocities of the last period.  wanted: (n,).  dt_s: period.
-        Returns: ((n,) velocities, text that says what slowed them or "", whether they were stopped by a limit of
+        Returns: ((n,) velocities, text about the cause of a slowdown or "", whether they were stopped by a limit of
             positions).
         """
         factor = velocity_factor(wanted, self._speed)

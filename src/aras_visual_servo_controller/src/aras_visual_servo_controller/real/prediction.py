@@ -1,4 +1,4 @@
-"""Predicts what the camera will see when a command acts, from what it saw when the image was taken.
+"""Predicts the features at the time at which a command acts, from those at the time of the image.
 
 The joints say how the camera has moved since, X_C0C1, and the target's plane 1/Z = n . (x, y, 1) makes of it a
 homography of the image: P1 = R' (P0 - p) with n . P0 = 1 gives H = R' (I - p n'), x1 ~ H x0 (Hartley and Zisserman,
@@ -7,7 +7,7 @@ Multiple View Geometry, 2004, section 13.1). Points move by H. About the centroi
     x1 = x1g + A d / (1 + k . d),   dx1 = det A / (1 + k . d)^3 dd,
 
 and moments are the integrals of that with 1 / (1 + k . d)^n taken as 1 - n k . d, where the moments of the next order
-are known; what is left out is of second order in the change of perspective over the object.
+are known; the error is of second order in the change of perspective over the object.
 """
 
 from math import atan2, comb, cos, hypot, pi, remainder, sin, sqrt
@@ -24,7 +24,7 @@ def predicted(features: Any, plane_C: np.ndarray, X_C0C1: np.ndarray) -> Feature
     Args:
         features: `Features`, or an object with its attributes, valid.  plane_C: (3,) (A, B, C) of the target's plane
         in the first camera frame [1/m].  X_C0C1: (4, 4) pose of the later camera in the first.
-    Returns: `Features`; what is relative to a reference is so still.
+    Returns: `Features`, relative to the same reference.
     Raises:
         DegenerateFeature: the target would be behind the camera.
         ParameterError: features that cannot be predicted (kernel projections).

@@ -24,7 +24,7 @@ JOINT_KEYS = {"d": 1, "a": -1}
 
 
 class Teleop:
-    """What the arm does while keys are held.
+    """Motion of the arm while keys are held.
 
     Attributes:
         mode: "joints" or "camera".  joint: name of the joint that is moved in mode "joints".

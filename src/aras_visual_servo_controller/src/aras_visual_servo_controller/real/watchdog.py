@@ -1,4 +1,4 @@
-"""Says when an arm must rest: joint states that stop, a dead-man's switch that is let go, clocks that jump."""
+"""Decides when an arm must rest: joint states that stop, a dead-man's switch that is let go, clocks that jump."""
 
 from typing import Iterable, NamedTuple, Optional, Sequence
 
@@ -41,7 +41,7 @@ class Watchdog:
         self._joints_ns.update(dict.fromkeys(names, min(stamp_ns, now_ns)))
 
     def deadman(self, held: bool, now_ns: int) -> None:
-        """The dead-man's switch said whether it is held."""
+        """Notes a message of the dead-man's switch."""
         self.held, self._deadman_ns = bool(held), now_ns
 
     def look(self, now_ns: int) -> Optional[Unfit]:
@@ -49,7 +49,7 @@ class Watchdog:
         settings, before_ns, self._looked_ns = self._settings, self._looked_ns, now_ns
         if before_ns is not None and not 0 <= now_ns - before_ns <= self._jump_ns:
             step_s = 1e-9 * (now_ns - before_ns)
-            self._joints_ns, self._deadman_ns = {}, None  # what was heard before has no age in the new time
+            self._joints_ns, self._deadman_ns = {}, None  # earlier messages have no age in the new time
             return Unfit(f"the clock jumped by {step_s:.3f} s, allowed 0 to {settings.clock_jump_s:g} s", True,
                          True)
         return self.state(now_ns)

@@ -45,7 +45,7 @@ def _work(arguments: Namespace) -> int:
         results = run_protocol(protocol, folder, arguments.starts, arguments.cases, changes, own, arguments.repeat,
                                arguments.workers, arguments.scheduler)
     except Interrupted as interrupt:
-        print(f"{interrupt}: go on with the same command and --name {folder.name}", file=sys.stderr)
+        print(f"{interrupt}: continue with the same command and --name {folder.name}", file=sys.stderr)
         return interrupt.exit_code
     lines = table(protocol, results)
     path = save_table(protocol, lines, folder, arguments.repeat)
@@ -59,10 +59,10 @@ def _work(arguments: Namespace) -> int:
 
 VERBS = {"benchmark": cli.Command(
     "Run a published protocol, and write a table of success rates with confidence intervals beside the published ones "
-    "(benchmark.md, benchmark.csv). A benchmark with a --name that was interrupted is gone on with by the same line. "
-    "--law takes the place of the law of every case; where the protocol compares laws, it chooses one.",
+    "(benchmark.md, benchmark.csv). Repeat the command with its --name to continue an interrupted benchmark. "
+    "--law replaces the law of every case, or selects the law where the protocol compares laws.",
     [("vit_vs --starts 60", "60 of the 500 starts of each case, spread evenly"),
-     ("vit_vs --cases orb_plain --name mine", "one case; the same line again goes on where it was interrupted"),
+     ("vit_vs --cases orb_plain --name mine", "one case; repeat the command to continue after an interruption"),
      ("vit_vs --board poster.png", "with a picture of your own on the board"),
      ("vit_vs --cases orb --law bounded --plugins my_servo", "with a law of your own"),
      ("cns_render --meshes ycb", "with the meshes of a folder of yours, which are dropped on the table first"),

@@ -122,11 +122,11 @@ VERBS = {"compare": {
         [("canonical", "every law on every canonical task"),
          ("canonical --laws pbvs,points:mean --tasks turn_90", "two laws on one task"),
          ("canonical --laws pbvs,bounded --plugins my_servo", "beside a law of your own"),
-         ("canonical --scenario free_camera", "the same tasks with a camera that flies freely")],
+         ("canonical --scenario free_camera", "the same tasks with a free-flying camera")],
         _laws_options, _laws),
     "runs": cli.Command(
         "Show two or more runs side by side. The page runs.html has camera path, errors, joints against their limits, "
-        "and what differs.",
+        "and the differences.",
         [("naive_inverse redundant", "two scenarios, run here"),
          ("results/experiment_1/STAMP mine.yaml", "a recorded run beside a scenario")],
         _runs_options, _runs)}}

@@ -53,7 +53,7 @@ def _work(arguments: Namespace) -> int:
         if foxglove:
             print(f"foxglove: {foxglove}", flush=True)
         if not is_loopback(arguments.host):
-            print("others on the network who know this address can drive the run; the page is sent unencrypted",
+            print("warning: anyone with this address can control the run; the connection is not encrypted",
                   file=sys.stderr)
         if arguments.open:
             webbrowser.open(address)

@@ -19,7 +19,7 @@ def _sweep_options(parser: ArgumentParser) -> None:
     parser.add_argument("--starts", type=int, metavar="N",
                         help="number of runs (default: sweep.starts of the scenario, else 100)")
     parser.add_argument("--method", help="how starts are sampled: latin_hypercube (default), grid or random")
-    parser.add_argument("--space", help="what is sampled: camera poses (camera, the default; ball; view) or joint "
+    parser.add_argument("--space", help="space of the samples: camera poses (camera, the default; ball; view) or joint "
                                         "positions (joint); see docs/sweeps.md")
     parser.add_argument("--seed", type=int, help="seed of the samples (default: sweep.seed of the scenario, else 0)")
     parser.add_argument("--drive", action="store_true", default=None,
@@ -27,7 +27,7 @@ def _sweep_options(parser: ArgumentParser) -> None:
     cli.add_workers(parser)
     cli.add_output(parser, "sweeps/SCENARIO")
     parser.add_argument("--resume", nargs="?", const="", metavar="FOLDER",
-                        help="go on with an interrupted sweep (default: the newest of the scenario); runs that were "
+                        help="continue an interrupted sweep (default: the newest of the scenario); runs that were "
                              "saved are not repeated")
     parser.add_argument("--axes", nargs=2, metavar=("X", "Y"),
                         help="columns of runs.csv that are the axes of the maps (default: x0_mm y0_mm)")
@@ -84,7 +84,7 @@ def _new_sweep(arguments: Namespace) -> SweepStore:
     settings, kinematics = _settings(scenario, _asked(arguments))
     root = Path(arguments.output) / FOLDER
     if arguments.name and (root / scenario.name / arguments.name / FILE).exists():
-        raise StoreError(f"sweep '{arguments.name}': found a sweep of this name already; go on with it by --resume, or "
+        raise StoreError(f"sweep '{arguments.name}': found a sweep of this name; continue it with --resume or "
                          "choose another --name")
     starts = make_starts(settings, scenario, kinematics)
     folder = create_result_folder(root, scenario.name, arguments.name)
@@ -107,14 +107,14 @@ def _old_sweep(arguments: Namespace) -> SweepStore:
             begun_with = store.meta["settings"]
             settings, _ = _settings(scenario, {key: begun_with[key] if value is None else value
                                                for key, value in _asked(arguments).items()})
-            faults = [f"{key}: found {value}, the sweep was begun with {begun_with[key]}"
+            faults = [f"{key}: found {value}, the sweep was started with {begun_with[key]}"
                       for key, value in settings.as_plain().items() if value != begun_with[key]]
             if not faults and make_setup(scenario, settings.drive_to_start) != store.meta["setup"]:
-                faults = [f"scenario '{scenario.name}' or its files have changed since the sweep was begun, or it was "
-                          "begun with other values of --set"]
+                faults = [f"scenario '{scenario.name}' or its files have changed since the sweep started, or it was "
+                          "started with other values of --set"]
         elif cli.changes_of(arguments) or any(value is not None for value in _asked(arguments).values()):
-            faults = ["a sweep goes on with the options it was begun with: leave --starts, --method, --space, --seed, "
-                      "--law, --plugins, --set and --drive out"]
+            faults = ["a resumed sweep keeps its options: omit --starts, --method, --space, --seed, "
+                      "--law, --plugins, --set and --drive"]
         if faults:
             raise ParameterError([f"--resume {store.folder}: {fault}" for fault in faults])
     except BaseException:
@@ -135,7 +135,7 @@ def _run(store: SweepStore, arguments: Namespace, drawing: Drawing) -> int:
     except Interrupted as interrupt:
         save_csv(store)
         again = cli.command_line("sweep", "--resume", store.folder.resolve())
-        print(f"{interrupt}: {len(store.pending())} runs are left; go on with: {again}", file=sys.stderr)
+        print(f"{interrupt}: {len(store.pending())} runs are left; continue with: {again}", file=sys.stderr)
         return interrupt.exit_code
     path = save_report(store, axes, drawing)
     print(format_summary(store))
@@ -168,7 +168,7 @@ VERBS = {
         [("experiment_1 --starts 200", "200 starts, on every core"),
          ("experiment_1 --starts 200 --law paper --name paper", "another law, in a named folder"),
          ("mine.yaml --law bounded --plugins my_servo", "a law of your own"),
-         ("experiment_1 --resume", "go on where the newest one was interrupted")], _sweep_options, _sweep),
+         ("experiment_1 --resume", "continue the newest one")], _sweep_options, _sweep),
     "rerun": cli.Command(
         "Repeat one run of a sweep, check that it gives the same values as before, and write its summary, trace, "
         "figure and report.",

@@ -10,7 +10,7 @@ from aras_visual_servo import CAMERA_AXES, GOAL_AXES, keys_of, setting
 class TaskSettings:
     """One entry of `tasks`: either `offset` or `tilt`."""
 
-    title: str = setting("", help="How tables and plots call it; its name if there is none.")
+    title: str = setting("", help="Name in tables and plots; default: the key.")
     offset: Dict[str, float] = setting(
         {}, unit="m, rad",
         help=f"Start displaced from the goal along and about the goal camera's axes: {', '.join(CAMERA_AXES)}.")
@@ -47,7 +47,7 @@ class ComparisonFile:
     """A file of config/comparisons."""
 
     name: str = setting(not_empty=True, help="Name of the comparison.")
-    scenario: str = setting(not_empty=True, help="Scenario that all runs are made of.")
+    scenario: str = setting(not_empty=True, help="Base scenario of all runs.")
     tasks: Dict[str, TaskSettings] = setting(help="Starts by name.")
     laws: Dict[str, LawSettings] = setting(help="Laws by name.")
-    description: str = setting("", help="What is compared, in a line.")
+    description: str = setting("", help="One-line description.")

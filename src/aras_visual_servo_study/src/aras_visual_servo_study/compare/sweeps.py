@@ -94,7 +94,7 @@ def gate_fires(expression: str, numbers: Dict[str, float]) -> Tuple[bool, str]:
     used = {}
     value = _evaluate(tree.body, numbers, used, expression)
     if not isinstance(value, bool):
-        raise ParameterError(f"--fail-if '{expression}': found a number, allowed is a comparison such as success<0.98")
+        raise ParameterError(f"--fail-if '{expression}': found a number, allowed a comparison such as success<0.98")
     why = ", ".join(f"{name} = {number:.6g}" for name, number in used.items())
     without = [name for name, number in used.items() if math.isnan(number)]
     return (True, f"no value: {', '.join(without)}") if without else (value, why)
@@ -220,7 +220,7 @@ def paired_maps(rows_a: List[Dict[str, Any]], rows_b: List[Dict[str, Any]], lett
              "only_a": ("only A", palette.VERMILION), "only_b": (f"only {letter}", palette.GREEN)}
     classes = {key: {"label": label, "color": color} for key, (label, color) in looks.items()}
     alike = all(row["pair"] == "both" for row in rows)
-    maps = [] if alike else [{"title": "who succeeds", "key": "pair", "kind": "classes", "classes": classes}]
+    maps = [] if alike else [{"title": "success by sweep", "key": "pair", "kind": "classes", "classes": classes}]
     maps += [{"title": f"change of the {what}, {letter} − A [{unit}], where both succeed",
               "key": f"{name}_change_{unit}", "kind": "change"} for name, _, unit, _, what in CHANGES]
     facts = [fact(f"{key}_{which}", f"{label}, {name}", unit, digits, short=key in ("reason", "duration_s"))
@@ -228,7 +228,7 @@ def paired_maps(rows_a: List[Dict[str, Any]], rows_b: List[Dict[str, Any]], lett
                                               *((column, what, unit, digits)
                                                 for _, column, unit, digits, what in CHANGES))
              for which, name in (("a", "A"), ("b", letter))] + start_facts(rows)
-    commands = [{"label": f"Run it again in {name}:", "folder": folder,
+    commands = [{"label": f"Rerun in {name}:", "folder": folder,
                  "text": "aras-servo rerun {id} --sweep {folder}"}
                 for name, folder in zip(("A", letter), folders)]
     return page_data(rows, DEFAULT_AXES, maps, facts, commands, None)

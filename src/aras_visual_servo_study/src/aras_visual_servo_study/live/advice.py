@@ -119,14 +119,14 @@ HELD = (Status.OUT_OF_REACH, Status.JOINT_LIMIT, Status.NEAR_SINGULARITY, Status
 #: (kind, statuses, pattern of the text, what to do now). The text of a camera that swings begins with SWINGS.
 TABLE: Tuple[Tuple[str, Tuple[Status, ...], str, str], ...] = (
     ("swings", (*HELD, *ENDS, Status.TARGET_LOST), f"^{SWINGS}",
-     "The camera swings to and fro: lower the gains or the latency, then press Again to compare."),
+     "The camera oscillates: lower the gains or the latency, then press Again to compare."),
     ("out_of_reach", (*HELD, *ENDS), r"would have to go on|cannot go on",
      "{way_back}: the arm goes on as soon as it can reach it."),
     ("chatters", (*HELD, *ENDS), rf"{JOINT} chatters",
      "{joint} reverses because the arm is close to a singularity: drag the target nearer, bend {way_out}, or raise "
      "servo.inverse.damping."),
     ("joint_limit", (*HELD, *ENDS), AT_LIMIT,
-     "{joint} has no way left: drag the target to where {joint} can turn back, or stop and move {joint} by hand, or "
+     "{joint} is at its limit: drag the target to where {joint} can turn back, or stop and move {joint} by hand, or "
      "start from another posture."),
     ("singular", (*HELD, *ENDS), r"part of the twist cannot be achieved",
      "The arm is singular here: drag the target nearer, or stop and bend {way_out}."),
@@ -140,22 +140,22 @@ TABLE: Tuple[Tuple[str, Tuple[Status, ...], str, str], ...] = (
     ("stale_in_time_limit", (Status.TIMED_OUT,), r"no features|no image",
      "No images arrive: look at latency and lost frames under \u201cNoise, latency, exposure, light\u201d."),
     ("not_held", (Status.TIMED_OUT,), r"everything for less than hold_s",
-     "It was below its thresholds only at times: lower the gains or the noise, or raise the thresholds."),
+     "The error was below its thresholds only at times: lower the gains or the noise, or raise the thresholds."),
     ("timed_out", (Status.TIMED_OUT,), "",
      "The error has not gone below its thresholds in time: watch whether it still falls (raise the gains or "
      "servo.time_limit_s), stays (raise the thresholds) or swings (lower the gains or the latency)."),
     ("stopped", (Status.STOPPED,), "",
-     "\u201cServo from here\u201d goes on to the goal that was taught; Run all begins anew."),
+     "\u201cServo from here\u201d continues to the taught goal; Run all restarts the experiment."),
     ("stale", (Status.STALE_INPUT,), "",
      "The arm waits for an image: look at latency and lost frames under \u201cNoise, latency, exposure, light\u201d."),
     ("held_at_end", (Status.FAULT,), JOINT, "Drive {joint} free by hand, or press Reset."),
-    ("fault", (Status.FAULT,), "", "Change what the sentence names, then press Again, or Reset."),
+    ("fault", (Status.FAULT,), "", "Fix the named cause, then press Again or Reset."),
     ("converged", (Status.CONVERGED, Status.STOPPED_BY_RULE), "",
-     "Drag the target to see it followed, or change a gain and press Again to compare."),
+     "Drag the target and watch the servo follow, or change a gain and press Again to compare."),
     ("settled", (Status.SETTLED,), "",
-     "These features do not tell more: use more pixels or samples, or features that see what is left."),
+     "These features cannot show more: use more pixels or samples, or features that see the remaining motion."),
     ("moved", (Status.IDLE,), r"^the last servo: ",
-     "\u201cServo from here\u201d servoes to the goal that was taught last; Again drives to the start first."),
+     "\u201cServo from here\u201d servoes to the last taught goal; Again drives to the start first."),
     ("idle", (Status.IDLE,), "", "Run all drives to the goal, teaches it, drives to the start and servoes."),
 )
 _PATTERNS = [re.compile(pattern) for _, _, pattern, _ in TABLE]

@@ -133,7 +133,7 @@ class LessonInHand:
                   for key, found, allowed in (("change", change, self.lesson.changes),
                                               ("answer", answer, self.lesson.answers)) if found not in allowed]
         if self.first is None:
-            faults.append("try_lesson: found a first run that has not ended, allowed when it has")
+            faults.append("try_lesson: found a first run in progress, allowed after its end")
         if faults:
             raise ParameterError(faults)
 

@@ -1,4 +1,4 @@
-"""What a page may ask of a run, each request described once: checked from here, and listed in docs/live_page.md.
+"""Requests of a page to a run: each is described once and validated here. docs/reference/live_messages.md lists them.
 
 A request is a JSON object with `do`, the name of the request, `id`, a number of the page's own that the answer repeats,
 and the fields of the request's class:
@@ -6,7 +6,7 @@ and the fields of the request's class:
     {"do": "set", "id": 7, "values": {"servo.gains_per_s.xn": 2.0}}
     {"type": "answer", "id": 7, "ok": true, ...}   or   {..., "ok": false, "faults": ["servo.gains_per_s.xn: ..."]}
 
-The other messages go from the run to every page: see docs/live_page.md.
+The other messages go from the run to every page: see docs/reference/live_messages.md.
 """
 
 import json
@@ -171,8 +171,8 @@ class SetLesson:
 class TryLesson:
     """Run the scene of the lesson with one thing changed, and check the answer against the run."""
 
-    change: str = setting(not_empty=True, help="What is changed, one of the lesson's.")
-    answer: str = setting(not_empty=True, help="What the student foretells, the key of one of the lesson's answers.")
+    change: str = setting(not_empty=True, help="One of the changes of the lesson.")
+    answer: str = setting(not_empty=True, help="Predicted answer, a key of the lesson's answers.")
 
 
 @REQUESTS.register("save", do="save")

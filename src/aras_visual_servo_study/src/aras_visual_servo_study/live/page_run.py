@@ -269,7 +269,7 @@ class PageRun:
         """
         X_WT, q = self.target_pose(), self.joints()
         if self._view is None or X_WT is None or q is None:
-            raise ParameterError("reach: found no taught view of a target, allowed after one was taught")
+            raise ParameterError("reach: found no taught goal; teach a view of the target first")
         if not self.kinematics.spare_motion or self.scenario.robot.get("target_link") is not None:
             raise ParameterError("reach: found a camera that flies, or a target that the arm carries; allowed an arm "
                                  "that carries the camera")

@@ -123,7 +123,7 @@ class LiveRun(PageRun):
 
     def do_start(self, request: Any) -> None:
         if request.reference == "taught" and self.servo.reference is None:
-            raise ParameterError("start: found the reference taught, but nothing was taught yet; teach this view first")
+            raise ParameterError("start.reference: found taught, but no goal is taught; press Teach here first")
         self._use_written_law()
         if request.reference == "experiment":
             self.loop.sequence = self._sequence(self.servo, self.scenario)
@@ -131,7 +131,7 @@ class LiveRun(PageRun):
 
     def do_again(self, _request: Any) -> None:
         if self.servo.reference is None:
-            raise ParameterError("again: nothing was taught yet; run the experiment, or teach this view first")
+            raise ParameterError("again: found no taught goal; press Run all or Teach here first")
         self._use_written_law()
         self.loop.sequence = self._sequence(self.servo, self.scenario)
         self.hand.let_go()
@@ -148,7 +148,7 @@ class LiveRun(PageRun):
     def teach(self, z_star_m: Optional[float]) -> Dict[str, float]:
         """Makes the view of the last image the goal. Args: z_star_m: depth of the target; None: the true one."""
         if self.features is None:
-            raise ParameterError("teach: no image has come yet")
+            raise ParameterError("teach: found no image yet; wait for the first one")
         z_star_m = z_star_m or self._depth()
         self.loop.teach_here(z_star_m)
         self.keep_goal(self.X_WC)
@@ -188,7 +188,7 @@ class LiveRun(PageRun):
 
     def do_try_lesson(self, request: Any) -> None:
         if self._lesson is None:
-            raise ParameterError("try_lesson: found no lesson in hand, allowed after its scene was set")
+            raise ParameterError("try_lesson: found no active lesson; press Set the scene first")
         self._lesson.check(request.change, request.answer)
         self._begin_anew(self._lesson.lesson.setting(request.change))
         self._run_lesson(request.change, request.answer)

@@ -201,7 +201,7 @@ class Runner:
     def do_step(self, request: Any) -> None:
         """Lets a paused run go on for some images."""
         if not self._paused:
-            raise ArasError("step: found a run that goes on, allowed one that is paused")
+            raise ArasError("step: found a running simulation, allowed when it is paused")
         self._steps += request.images
 
     def do_speed(self, request: Any) -> None:

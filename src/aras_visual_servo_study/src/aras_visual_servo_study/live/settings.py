@@ -46,7 +46,7 @@ def put(document: Dict[str, Any], path: str, value: Any) -> None:
         elif isinstance(node, dict):
             node = node.setdefault(parent, {})
         if not isinstance(node, (dict, list)):
-            raise ParameterError(f"{path}: found a path that leads nowhere, allowed is section.key")
+            raise ParameterError(f"{path}: found an unknown path, allowed section.key")
     if isinstance(node, list):
         if not (key.isdigit() and int(key) < len(node)):
             raise ParameterError(f"{path}: found place {key} of a list of {len(node)}, allowed 0 to {len(node) - 1}")

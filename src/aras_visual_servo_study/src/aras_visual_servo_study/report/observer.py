@@ -40,7 +40,7 @@ class Observer:
 
     def __init__(self, record: RunRecord, width: int = 640, height: int = 480) -> None:
         if not record.settings:
-            raise ObserverError("the record does not hold its scenario, so nobody knows which robot it shows")
+            raise ObserverError("the record has no scenario, so its robot is unknown")
         at_C = middle(record.X_WC[record.servo_rows, :3, 3])
         at_T = at_C * [1, 1, 0] if record.X_WT is None else np.round(record.X_WT[:3, 3], 4)
         try:

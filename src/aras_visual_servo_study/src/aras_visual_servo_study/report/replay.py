@@ -37,12 +37,12 @@ def replay_of(record: RunRecord) -> Dict[str, Any]:
     Raises: ReplayError.
     """
     if not record.settings or not record.camera_info or not len(record.servo_rows):
-        raise ReplayError("the record does not hold its scenario, its camera or a servo phase")
+        raise ReplayError("the record lacks its scenario, its camera or a servo phase")
     try:
         data = _data(record)
         scripts = [three_file(name).read_text(encoding="utf-8") for name in THREE_FILES] + [script(*MODULES)]
     except (RuntimeError, OSError) as error:  # the simulator's errors and ours
-        raise ReplayError(f"the run cannot be shown again: {error}") from error
+        raise ReplayError(f"the run cannot be replayed: {error}") from error
     text = json.dumps(data, separators=(",", ":"), allow_nan=False)
     return {"data": text.replace("<", "\\u003c"), "scripts": [_closed(one) for one in scripts]}
 

@@ -85,7 +85,7 @@ def open_sweep(folder: Path, scenario: Scenario, starts: List[Start], settings: 
     store = SweepStore.open(folder, writing=True)
     if store.meta["setup"] != setup or list(map(plain, store.starts())) != list(map(plain, starts)):
         store.close()
-        raise ParameterError(f"{folder}: found a sweep that was begun with another scenario, board or starts; choose "
+        raise ParameterError(f"{folder}: found a sweep with another scenario, board or starts; choose "
                              "another name")
     return store
 
@@ -173,7 +173,7 @@ def _with_dask(setup, pending, scheduler, save):
             "distributed.comm.timeouts.connect": f"{CONNECT_S:g}s", "distributed.worker.profile.enabled": False}):
         with _client(Client, scheduler) as client:
             if not client.scheduler_info()["workers"]:
-                raise EngineError(f"scheduler {scheduler}: it has no workers; start some: dask-worker {scheduler}")
+                raise EngineError(f"scheduler {scheduler}: found no workers; start one: dask-worker {scheduler}")
             _collect(client, setup, pending, save)
 
 
@@ -183,7 +183,7 @@ def _client(Client, scheduler):
     except (OSError, ValueError) as error:  # TimeoutError is an OSError
         raise EngineError(f"scheduler {scheduler}: cannot be reached: {error}") from error
     except TypeError as error:  # Dask's words for it tell of an argument that is None
-        raise EngineError(f"scheduler {scheduler}: speaks TLS, and there is no certificate to show it: see "
+        raise EngineError(f"scheduler {scheduler}: requires TLS, but no certificate is configured: see "
                           "docs/sweeps.md, Many machines") from error
 
 

@@ -31,13 +31,13 @@ def sweep_maps(rows: List[Dict[str, Any]], axes: Tuple[str, ...], folder: Option
     Args: folder: of the sweep, for the command that repeats a run; None: where the page is.
     """
     success: Dict[str, Any] = {"title": "result", "key": "outcome", "kind": "classes", "classes": OUTCOMES}
-    time = {"title": "time to the end [s], where it succeeded", "key": "succeeded_s", "kind": "scale"}
+    time = {"title": "time of successful runs [s]", "key": "succeeded_s", "kind": "scale"}
     error = {"title": "final error [mm]", "key": "error_mm", "kind": "scale"}
     rows = [dict(row, succeeded_s=row["duration_s"] if row["success"] else None) for row in rows]
     facts = [fact("outcome", "result", short=True), fact("reason", "reason", short=True), fact("detail", "in words"),
              *(fact(key, label, unit, digits, short=key in ("duration_s", "error_mm"))
                for key, label, unit, digits in RESULTS), *start_facts(rows)]
-    command: Dict[str, Any] = {"label": "Run it again, with its full report:", "folder": folder,
+    command: Dict[str, Any] = {"label": "Rerun with the full report:", "folder": folder,
                                "text": "aras-servo rerun {id} --sweep {folder}"}
     maps = [time, error] if every_run_succeeds(rows) else [success, time, error]
     return page_data(rows, axes, maps, facts, [command], {"key": "outcome", "value": "infeasible"})

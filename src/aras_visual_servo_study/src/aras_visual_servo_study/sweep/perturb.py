@@ -169,11 +169,11 @@ def _read(name, source):
 def _check_value(name, value):
     if name == "target":
         if not isinstance(value, str):
-            raise ParameterError(f"found {value}, allowed is the name of a target file")
+            raise ParameterError(f"found {value}, allowed the name of a target file")
         resolve_uri(_target_uri(value), key="target")
     elif name in ("picture", "clutter", "scene"):
         if not isinstance(value, str):
-            raise ParameterError(f"found {value}, allowed is the name of a file")
+            raise ParameterError(f"found {value}, allowed the name of a file")
         resolve_uri(value, key=name)
     elif name in KNOWN and (not is_number(value) or value < KNOWN[name]):
         raise ParameterError(f"found {value}, allowed >= {KNOWN[name]:g}")

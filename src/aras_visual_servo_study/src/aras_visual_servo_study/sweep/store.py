@@ -46,7 +46,7 @@ class SweepStore:
         """Make the file, with all planned runs (list of `Start`), in a folder that exists and holds no sweep yet."""
         path = Path(folder) / FILE
         if path.exists():
-            raise StoreError(f"{path}: there is a sweep already; go on with --resume")
+            raise StoreError(f"{path}: found a sweep; continue it with --resume")
         lock = _lock(folder)
         joints = next((start.joints for start in starts if start.joints), {})
         first = starts[0]

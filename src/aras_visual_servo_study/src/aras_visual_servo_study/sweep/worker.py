@@ -34,7 +34,7 @@ def scenario_of(setup: Dict[str, Any]) -> Scenario:
     scenario = scenario_from_dict(setup["scenario"], source=setup["scenario"]["name"], base=Path(setup["base"]),
                                   path=path)
     if files_hash(scenario) != setup["files"]:
-        raise ParameterError("robot, controllers or target files differ from those the sweep was begun with: "
+        raise ParameterError("robot, controllers or target files differ from those the sweep was started with: "
                              f"{scenario.urdf_path}, {scenario.controllers_path}")
     return scenario
 

@@ -104,7 +104,7 @@ def test_a_click_gives_the_commands_of_both_runs_and_print_cuts_nothing(page, ou
 
 
 #: As of a run that did not converge: the words of the judge.
-LONG = "not converged after 20.0 s: xn, yn, an, alpha; for the last 19.7 s the arm could not do what was asked, END"
+LONG = "not converged after 20.0 s: xn, yn, an, alpha; for the last 19.7 s the arm could not follow the law, END"
 #: A transparent picture of one pixel.
 PIXEL = ("iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mNk+M9QDwADhgGAWjR9awAAAABJRU5ErkJggg==")
 

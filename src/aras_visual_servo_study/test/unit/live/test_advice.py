@@ -8,7 +8,7 @@ from aras_visual_servo_study.live.advice import TABLE, Moment, Seen, advice, lim
 
 ARM = kinematics_of(load_scenario("experiment_1").urdf_xml(), load_scenario("experiment_1").robot, calibrated=False)
 REACH = "out of reach; in its own frame the camera would have to go on to the left and down, as seen in its image"
-TIME = "not converged after 20.0 s: yn; for the last 3.0 s the arm could not do what was asked ({})"
+TIME = "not converged after 20.0 s: yn; for the last 3.0 s the arm could not follow the law ({})"
 LIMIT = "joint 'J2' at its limit, speed times 0.43"
 
 

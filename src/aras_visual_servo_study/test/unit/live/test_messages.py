@@ -9,7 +9,7 @@ from hypothesis import given, settings, strategies as st
 from aras_visual_servo import keys_of, ParameterError
 from aras_visual_servo_study.live.messages import MOST_BYTES, parse, REQUESTS, Set, Speed
 
-DOCS = pathlib.Path(__file__).resolve().parents[5] / "docs" / "live_page.md"
+DOCS = pathlib.Path(__file__).resolve().parents[5] / "docs" / "reference" / "live_messages.md"
 
 
 def test_a_request_is_read_with_its_number():

@@ -365,7 +365,7 @@ def fits_and_can_be_read(browser, dark):
     assert browser.value("aras.world.corners().length >= 40 && aras.world.corners().every((one) => { one.project(aras"
                          ".world.eye); return Math.abs(one.x) < 1 && Math.abs(one.y) < 1; })")
     # The longest reason is shown in full, and the status does not cover the clock.
-    reason = "for the last 19.9 s the arm could not do what was asked. " * 6
+    reason = "for the last 19.9 s the arm could not follow the law. " * 6
     told, cut, apart = browser.value(
         "(() => { aras.model.emit('state', {...aras.model.state, status: 'FAULT', phase: 'done', text: "
         f"'{reason}'}}); "

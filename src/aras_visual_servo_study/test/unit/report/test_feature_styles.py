@@ -58,7 +58,7 @@ class _Rows(HTMLParser):
 
 def table_of(record):
     """Rows of the page's table of features: name, final error, threshold, gain, rate."""
-    page = report_html(record, summarise(record)).split("What the servo saw")[1].split("</table>")[0]
+    page = report_html(record, summarise(record)).split("<h2>Features</h2>")[1].split("</table>")[0]
     return [row for row in _Rows(page).rows if len(row) == 5][1:]
 
 

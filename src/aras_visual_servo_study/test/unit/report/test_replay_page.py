@@ -52,7 +52,7 @@ def test_images_drawn_again_are_those_of_the_run(record):
 
 
 def test_a_record_that_cannot_be_shown_says_why(record):
-    with pytest.raises(replay.ReplayError, match="does not hold its scenario"):
+    with pytest.raises(replay.ReplayError, match="lacks its scenario"):
         replay.replay_of(make_record())
     settings = {**record.settings, "robot": {**record.settings["robot"], "urdf": "/nowhere.urdf"}}
     with pytest.raises(replay.ReplayError, match="nowhere.urdf"):

@@ -113,7 +113,7 @@ def test_without_opengl_the_observer_draws_without_shadows(record, monkeypatch):
 
 
 def test_a_record_without_its_scenario_cannot_be_observed(record):
-    with pytest.raises(ObserverError, match="which robot"):
+    with pytest.raises(ObserverError, match="robot is unknown"):
         Observer(dataclasses.replace(record, settings={}))
 
 

@@ -217,9 +217,9 @@ def test_bad_input_is_told_clearly(words, code, message, tmp_path, capsys, monke
 def test_a_resume_must_ask_for_the_same_sweep(undisturbed, capsys):
     words = ["--output", str(undisturbed.parents[2]), "--name", "whole", "--resume", "--workers", "0"]
     assert main(["sweep", *QUICK, "--starts", "41", *words]) == 2
-    assert f"starts: found 41, the sweep was begun with {STARTS}" in capsys.readouterr().err
+    assert f"starts: found 41, the sweep was started with {STARTS}" in capsys.readouterr().err
     assert main(["sweep", "experiment_1", "--seed", "4", "--starts", str(STARTS), *words]) == 2
-    assert "have changed since the sweep was begun" in capsys.readouterr().err
+    assert "have changed since the sweep started" in capsys.readouterr().err
 
 
 def test_a_resume_without_options_takes_those_it_was_begun_with(undisturbed, capsys):
@@ -255,7 +255,7 @@ def test_a_second_writer_is_refused(undisturbed, capsys):
 
 def test_a_name_that_is_taken_is_refused(undisturbed, capsys):
     assert sweep(undisturbed.parents[2], "whole", "--workers", "0") == 3
-    assert "found a sweep of this name already" in capsys.readouterr().err
+    assert "found a sweep of this name" in capsys.readouterr().err
 
 
 def test_runs_outside_the_sweep_are_refused(undisturbed, capsys):

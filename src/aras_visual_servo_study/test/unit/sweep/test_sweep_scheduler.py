@@ -80,5 +80,5 @@ def test_workers_that_cannot_do_the_runs_are_told_in_one_sentence(address, setup
 
 
 def test_a_scheduler_without_workers_is_told_at_once(setup, tmp_path):
-    with cluster(0) as empty, pytest.raises(engine.EngineError, match="it has no workers; start some: dask-worker tcp"):
+    with cluster(0) as empty, pytest.raises(engine.EngineError, match="found no workers; start one: dask-worker tcp"):
         rows_done(tmp_path / "there", setup, scheduler=empty.scheduler_address)

@@ -82,7 +82,7 @@ def test_whoever_leaves_the_file_lets_others_write_it(tmp_path):
 
 def test_a_folder_holds_one_sweep(tmp_path):
     made(tmp_path).close()
-    with pytest.raises(StoreError, match="there is a sweep already; go on with --resume"):
+    with pytest.raises(StoreError, match="found a sweep; continue it with --resume"):
         made(tmp_path)
 
 

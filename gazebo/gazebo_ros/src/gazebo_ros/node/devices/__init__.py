@@ -1,4 +1,4 @@
-"""Topics of what plugins do. Importing this makes all kinds known."""
+"""Topics of plugins. Importing this package registers all kinds."""
 from . import bodies, commanded, diff_drive, grippers, rotors, sensors
 from .outlet import outlet_of
 

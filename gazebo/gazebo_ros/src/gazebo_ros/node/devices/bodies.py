@@ -1,4 +1,4 @@
-"""Where links are, what they touch and what they see: p3d, joint states, bumpers, range sensors, lasers of points."""
+"""Topics of link poses, contacts and rays: p3d, joint states, bumpers, range sensors, lasers of points."""
 import typing
 
 import numpy

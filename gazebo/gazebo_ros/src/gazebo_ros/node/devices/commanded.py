@@ -14,7 +14,7 @@ from ..odometry import odometry_message, transform_message
 from ..outlet import Beat
 from .outlet import DeviceOutlet, serves
 
-FAR = 1e12  #: variance of what odometry does not know
+FAR = 1e12  #: variance of quantities unknown to odometry
 
 
 class CommandedOutlet(DeviceOutlet):

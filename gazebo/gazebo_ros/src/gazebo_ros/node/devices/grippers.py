@@ -1,4 +1,4 @@
-"""What holds bodies: vacuum grippers, hands that do not let slip, and the services that attach links."""
+"""Devices that hold bodies: vacuum grippers, grasp fix, and the services that attach links."""
 import typing
 
 import rospy

@@ -1,4 +1,4 @@
-"""What the topics of all devices share."""
+"""Base class of the topics of devices."""
 import typing
 import zlib
 

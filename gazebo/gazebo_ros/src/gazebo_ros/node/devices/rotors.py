@@ -27,7 +27,7 @@ class RotorMotorOutlet(DeviceOutlet):
         self._speeds = self.advertise(self.device.speed_topic, Float32)
         kind = actuators_message()
         if kind is None:
-            rospy.logwarn("motor of joint '%s': there is no package mav_msgs, so nobody can command it" %
+            rospy.logwarn("motor of joint '%s': found no package mav_msgs, so it takes no commands" %
                           self.device.joint)
             return
         for topic in self.device.topics:

@@ -16,7 +16,7 @@ from .outlet import DeviceOutlet, Noise, serves
 
 
 class SensorOutlet(DeviceOutlet):
-    """Sends what measured(now_ns) gives, a message of the class `kind`, while somebody listens."""
+    """Publishes measured(now_ns), a message of the class `kind`, while it has subscribers."""
 
     kind: typing.Any = None  #: class of the message
 
@@ -34,7 +34,7 @@ class SensorOutlet(DeviceOutlet):
 
 @serves(ForceTorque)
 class ForceTorqueOutlet(SensorOutlet):
-    """What the child link exerts on its parent, in the axes of the child, about its origin: that of the joint."""
+    """Returns the wrench of the child on its parent, in the child's axes, about the joint's origin."""
 
     kind = WrenchStamped
 
@@ -81,7 +81,7 @@ class RaysOutlet(SensorOutlet):
         self.directions = directions_of(self.device.horizontal, self.device.vertical)
 
     def scan(self) -> typing.Tuple[numpy.ndarray, numpy.ndarray]:
-        """What it measures now, without noise."""
+        """Returns the current measurement, without noise."""
         return scan(self.world, self.model, self.device, self.directions)
 
 
@@ -105,7 +105,7 @@ class LaserOutlet(RaysOutlet):
 
 def scan(world: World, model: Model, device: Laser,
          directions: numpy.ndarray) -> typing.Tuple[numpy.ndarray, numpy.ndarray]:
-    """What a laser measures now, without noise: ranges, infinite where there is nothing, and intensities."""
+    """Returns the current scan, without noise: ranges, infinite without a hit, and intensities."""
     ranges, retros = world.cast_rays(model.link_pose(device.link) @ device.X_LS, directions, device.range_min_m,
                                      device.range_max_m, device.sees_visuals)
     ranges = resampled(numpy.minimum(ranges, device.range_max_m), device.horizontal, device.vertical)

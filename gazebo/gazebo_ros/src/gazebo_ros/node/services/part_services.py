@@ -1,4 +1,4 @@
-"""The services /gazebo/... of one link or joint: its state, its properties, and what pushes it."""
+"""The services /gazebo/... of one link or joint: its state, properties, wrenches and efforts."""
 import typing
 
 import gazebo_msgs.srv as srv

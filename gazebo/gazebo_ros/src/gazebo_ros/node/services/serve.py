@@ -27,11 +27,11 @@ class Services:
         self.offer()
 
     def offer(self) -> None:
-        """Serves what the subclass answers."""
+        """Base class of services. Subclasses define the answers."""
 
     def serve(self, name: str, kind: typing.Any, answer: Answer, done: str = "") -> None:
         """Serves /gazebo/NAME. answer(request) returns the response's fields, or None for no more than success: true
-        with the text `done`. What the world refuses is success: false with the reason."""
+        with the text `done`. A rejected request returns success: false with the reason."""
         text = next((field for field in ("status_message", "message") if field in kind._response_class.__slots__), None)
 
         def response(success: bool, message: str, fields: typing.Dict[str, typing.Any]) -> typing.Any:
@@ -43,9 +43,9 @@ class Services:
             except (ArasError, OSError) as error:
                 rospy.logerr("%s: %s" % (name, error))
                 made = response(False, str(error), {})
-            except Exception as error:  # who asks learns it, and the world goes on
+            except Exception as error:  # the caller gets the error, and the world goes on
                 rospy.logerr("%s: %s" % (name, traceback.format_exc()))
-                made = response(False, "%s: found something that nobody expected: %s: %s" %
+                made = response(False, "%s: unexpected error: %s: %s" %
                                 (name, type(error).__name__, error), {})
             if hasattr(made, "stamp"):
                 made.stamp = stamp(self.world.time_ns)

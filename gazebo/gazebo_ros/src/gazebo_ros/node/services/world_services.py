@@ -1,5 +1,5 @@
-"""The services /gazebo/... of the world, its models and lights: what makes sense here is done as Gazebo does it, the
-rest is refused with a reason."""
+"""The services /gazebo/... of the world, its models and lights: requests with a counterpart here act as in
+Gazebo, the others are rejected with a reason."""
 import typing
 
 import gazebo_msgs.srv as srv
@@ -70,7 +70,7 @@ class WorldServices(Services):
         return {"header": header, "pose": pose_message(X_FW @ X_WM), "twist": twist_message(rotated(X_FW, twist))}
 
     def place(self, state: typing.Any) -> None:
-        """What the topic set_model_state does too. Raises: ArasError."""
+        """Handles set_model_state of the service and of the topic. Raises: ArasError."""
         model = found(self.world.model, state.model_name, "SetModelState: model does not exist")
         X_WF, _ = found(self.world.frame, state.reference_frame,
                         "SetModelState: specified reference frame entity does not exist")

@@ -1,4 +1,4 @@
-"""libgazebo_ros_bumper.so: where a link touches something, and how hard."""
+"""libgazebo_ros_bumper.so: contacts of a link with their forces."""
 import dataclasses
 import typing
 import xml.etree.ElementTree as ElementTree
@@ -24,7 +24,7 @@ class Bumper(Device):
         return (self.link,)
 
     def touched(self, world: "World", model: "Model") -> typing.Dict[str, typing.List["Touch"]]:
-        """Returns dict of the scoped name of what the link touches -> list of Touch."""
+        """Returns dict of the scoped name of a touched link -> list of Touch."""
         found = {}
         for touch in world.touches(model.name, self.link):
             found.setdefault(touch.other, []).append(touch)

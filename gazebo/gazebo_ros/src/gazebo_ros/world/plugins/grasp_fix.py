@@ -1,4 +1,4 @@
-"""libgazebo_grasp_fix.so: holds what the fingers of a hand press from two sides, so that it does not slip.
+"""libgazebo_grasp_fix.so: holds an object that the fingers of a hand press from two sides, so that it does not slip.
 
 The keys, defaults and rules are those of gazebo_grasp_plugin (gazebo-pkgs of Jennifer Buehler). One object is held at a
 time, by the palm."""
@@ -37,7 +37,7 @@ class GraspFix(Device):
 
 
 class Grasp:
-    """What the plugin does. Attributes: held: dict of scoped link -> dict of finger -> its place in the object."""
+    """The simulated plugin. Attributes: held: dict of scoped link -> dict of finger -> its place in the object."""
 
     def __init__(self, device: GraspFix, world: "World", model: "Model") -> None:
         self._device, self._world, self._model = device, world, model

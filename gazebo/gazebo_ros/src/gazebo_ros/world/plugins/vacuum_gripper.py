@@ -1,4 +1,4 @@
-"""libgazebo_ros_vacuum_gripper.so: while it is on, holds what comes near to its link.
+"""libgazebo_ros_vacuum_gripper.so: while it is on, holds links that come near to its link.
 
 As in gazebo_ros_vacuum_gripper.cpp, a link of another model is near when its origin is within maxDistance of the
 gripper's. Gazebo pulls it with a force and gives it the gripper's velocity at each step; here the two links become one
@@ -32,7 +32,7 @@ class VacuumGripper(Device):
 
 
 class Suction:
-    """What a vacuum gripper does. Attributes: on: whether it sucks.  held: scoped names of the links that it holds."""
+    """A vacuum gripper. Attributes: on: whether it holds.  held: scoped names of the links that it holds."""
 
     def __init__(self, device: VacuumGripper, world: "World", model: "Model") -> None:
         self.on, self.held = False, []
@@ -47,7 +47,7 @@ class Suction:
             self.held = []
 
     def update(self) -> bool:
-        """Holds what is near now. Returns whether it holds anything."""
+        """Attaches the links that are near now. Returns whether it holds any."""
         own = "%s::%s" % (self._model.name, self._device.link)
         self.held = [link for link in self.held if self._world.is_attached(own, link)]
         if self.on:
@@ -66,7 +66,7 @@ class Suction:
         try:
             self._world.attach(own, link)
         except ArasError:
-            return  # somebody else holds it to this link
+            return  # another gripper holds it to this link
         self.held.append(link)
 
 

@@ -38,7 +38,7 @@ def ellipse(view: View) -> Tuple[float, float, float, float, float]:
     if not abs(area - elliptic) <= NOT_ELLIPTIC * area:
         raise DegenerateFeature(f"ellipse: the area is {area:.4g}, an ellipse with its moments has {elliptic:.4g}, "
                                 f"allowed {NOT_ELLIPTIC:g} of it apart: the object is no circle or sphere, or "
-                                "something covers a part of it")
+                                "is partly covered")
     return xg, yg, n20, n11, n02
 
 

@@ -1,4 +1,4 @@
-"""Sources of features. A source says what computes features from an image. Each file of this folder is one source:
+"""Sources of features. A source computes features from an image. Each file of this folder is one source:
 
     @register_source("mine")
     class Mine(Source):
@@ -43,7 +43,7 @@ def source_named(name: str) -> "Source":
 
 
 class Taught(NamedTuple):
-    """What is known of a view once it has been made the goal.
+    """Reference data of a taught view.
 
     Attributes:
         features: features of the view measured with the view itself as the reference. Their values are s_star.

@@ -38,7 +38,7 @@ class Matches(Source):
 
 def points_view(features: Any, x: Sequence[float], y: Sequence[float], z_star_m: float,
                 z: Sequence[float] = ()) -> Features:
-    """`Features` with these points and the place of their middle: what laws on points and teaching read."""
+    """Returns `Features` with these points and their centre, for laws on points and for teaching."""
     view = Features(target_visible=True, valid=True, has_reference=True, z_star_m=z_star_m,
                     reference_stamp_ns=features.reference_stamp_ns)
     view.point_x, view.point_y, view.point_z = tuple(x), tuple(y), tuple(z)

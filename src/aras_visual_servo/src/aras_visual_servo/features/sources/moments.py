@@ -60,7 +60,7 @@ class Moments(Source):
 
 
 def _without_moments(view):
-    """Gives a view of points beside and behind the camera the place of their middle: what it has instead of moments.
+    """Adds the centre of the points, in place of moments, to a view of points beside and behind the camera.
 
     Raises DegenerateFeature: the middle is not before the camera, so that it has no depth.
     """

@@ -15,13 +15,12 @@ class ExponentialDecay(Lesson):
     values = {"servo.gains_per_s": dict.fromkeys(FEATURE_NAMES, 2.0)}
     scene = ("The gain is 2 per second. Look at the curve of the errors: on its logarithmic axis each error is a "
              "straight line.")
-    question = ("Choose another gain. How long will an error take to fall to a tenth, beside the time that it takes "
-                "now?")
+    question = ("Choose another gain. How does the time change in which an error falls to a tenth?")
     changes = {f"gain {gain:g} per second": {"servo.gains_per_s": dict.fromkeys(FEATURE_NAMES, gain)}
                for gain in (0.5, 1.0, 4.0, 6.0)}
-    answers = {"inverse": "The time is that of now, divided by the new gain over the old one.",
+    answers = {"inverse": "The old time is divided by new gain / old gain.",
                "same": "The time stays the same: a higher gain only moves the camera farther.",
-               "square": "The time is that of now, divided by the square of the new gain over the old one."}
+               "square": "The old time is divided by (new gain / old gain)²."}
 
     def finding(self, first: RunRecord, run: RunRecord) -> Tuple[str, str]:
         """Compares the measured rates with the ratio of the gains."""

@@ -13,7 +13,7 @@ class Gain30(Lesson):
 
     order, title = 20, "Why not gain 30"
     scene = "The gain is 3 per second, and the servo converges in about three seconds."
-    question = "If a higher gain is faster, why not take 30? Foretell what the gain that you choose does."
+    question = "If a higher gain is faster, why not take 30? Choose a gain and predict its effect."
     changes = {f"gain {gain:g} per second": {"servo.gains_per_s": dict.fromkeys(FEATURE_NAMES, gain)}
                for gain in (6.0, 15.0, 30.0)}
     changes["gain 30, law paper (for continuous time)"] = {

@@ -13,9 +13,9 @@ class Latency(Lesson):
 
     order, title = 30, "Latency"
     values = {"servo.input_timeout_s": 2.0}
-    scene = "The gain is 3 per second. An image arrives in the moment in which it is taken."
-    question = ("The law now learns of each image only later. By de/dt = -3 e(t - delay), the limits are at "
-                "3 delay = 1/e = 0.37 and at 3 delay = π/2 = 1.57. What will happen?")
+    scene = "The gain is 3 per second. Each image arrives without delay."
+    question = ("Each image now reaches the law later. By de/dt = -3 e(t - delay), the limits are at "
+                "3 delay = 1/e = 0.37 and at 3 delay = π/2 = 1.57. How does the servo end?")
     changes = {f"delay {delay:g} s": {"sim.cameras.0.latency_s": delay} for delay in (0.1, 0.2, 0.3, 0.5)}
     answers = {"smooth": "It converges without an overshoot of more than 2 %.",
                "overshoots": "An error overshoots by more than 2 %, then it converges.",

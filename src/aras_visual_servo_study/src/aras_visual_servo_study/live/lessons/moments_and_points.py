@@ -31,7 +31,7 @@ class MomentsAndPoints(Lesson):
     values = {**POINTS, **turned(1.0), "servo.interaction": "current"}
     scene = ("The goal is 8 cm away and turned by 1 rad. The features are the four corners of the rectangle. Look at "
              "the path of the camera in the view.")
-    question = "What will the path of the camera be, as a multiple of the straight distance, with what you choose?"
+    question = "Choose a change. How long is the camera's path then, as a multiple of the straight distance?"
     changes = {"moments xn, yn, an, sx, sy, alpha": MOMENTS,
                "points, turned by 0.2 rad": turned(0.2),
                "points, mean of the matrices here and at the goal": {"servo.interaction": "mean"}}

@@ -16,9 +16,9 @@ class Noise(Lesson):
     order, title = 70, "Noise and averaging"
     values = {"sim.cameras.0.noise_stddev": 5.0, "servo.hold_s": 10.0, "servo.time_limit_s": 11.0}
     scene = ("The grey values of each image have noise of 5 grey levels. The arm holds at the goal, and the errors "
-             "tremble.")
-    question = ("The noise becomes stronger. The mean of how many images is at least as certain as one image was in "
-                "the first run?")
+             "fluctuate.")
+    question = ("The noise becomes stronger. How many images must be averaged to be as certain as one image of the "
+                "first run?")
     changes = {f"{level:g} grey levels, {level / 5:g} times as much": {"sim.cameras.0.noise_stddev": level}
                for level in (7.0, 10.0, 20.0)}
     answers = {str(count): f"The mean of {count} images is enough." for count in AVERAGED}
@@ -30,5 +30,5 @@ class Noise(Lesson):
         means = {count: held_noise(run, "alpha", count) for count in AVERAGED}
         right = next((str(count) for count, found in means.items() if found <= 1.15 * one), "more")
         listed = ", ".join(f"{1e3 * found:.2f} mrad for {count}" for count, found in means.items())
-        return right, (f"One image told the angle alpha to {1e3 * one:.2f} mrad (standard deviation) in the first run, "
+        return right, (f"One image gave the angle alpha to {1e3 * one:.2f} mrad (standard deviation) in the first run, "
                        f"and to {1e3 * now:.2f} mrad now. Means of several: {listed}.")

@@ -14,8 +14,8 @@ class WrongDepth(Lesson):
     """The features xn, yn and an are proportional to the depth Z* that was told, so it acts as a factor of the gain."""
 
     order, title = 60, "Depth wrong by two"
-    scene = "The law is told the depth of the target at the goal, 0.59 m, and the gain is 3 per second."
-    question = "One image does not tell the depth. The law is told a wrong one. What happens to the servo?"
+    scene = "The law gets the depth of the target at the goal, 0.59 m. The gain is 3 per second."
+    question = "One image does not show the depth. The law gets a wrong depth. How does the servo change?"
     changes = {"told half the depth, 0.295 m": {"experiment.z_star_m": 0.295},
                "told twice the depth, 1.18 m": {"experiment.z_star_m": 1.18}}
     answers = {"elsewhere": "The camera comes to rest more than 1 mm beside the goal.",
