@@ -24,8 +24,8 @@ autodoc_typehints_format = "short"
 python_use_unqualified_type_names = True
 #: What only some programs need is not needed to read about them.
 autodoc_mock_imports = ["gymnasium", "mcap", "h5py", "cv2", "distributed"]
-SECTION = re.compile(r"\s*(Args|Returns|Raises|Attributes|References?|Yields)[^:]*:")
-MARKUP = re.compile(r"([\\*_|`])")
+SECTION = re.compile(r"\s*(Args|Returns|Raises|Attributes|References?|Yields):")
+MARKUP = re.compile(r"([\\*_|`]|(?<=\w):(?=[^\s/]))")   # FILE:LINE is no address
 
 
 def as_text(app, what, name, thing, options, lines):
