@@ -99,7 +99,7 @@ def test_every_picture_of_the_page_is_there_and_made_by_the_gallery():
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 #: Pictures that `benchmark map`, `benchmark latency` and `growth.py` of the simulator make.
-OTHERS = {"convergence.png", "growth.png", "latency.png"}
+OTHERS = {"convergence_areas.png", "convergence_points.png", "growth.png", "latency.png"}
 LAWS, TASKS, SHORT = ("points_goal", "pbvs"), ("turn_90",), {"servo.time_limit_s": 0.2}
 
 

@@ -89,9 +89,9 @@ class Maps {
     for (const [row, { fill, cross, missing }] of rows) {
       const p = at(row);
       if (!p || missing) continue;
-      const [u, v] = p;
-      const dot = cross ? make("path", { d: `M${u - 3.5} ${v - 3.5}l7 7M${u + 3.5} ${v - 3.5}l-7 7`, stroke: fill, "stroke-width": 1.4 }, svg)
-        : make("circle", { cx: u, cy: v, r: rows.length > 1500 ? 2.6 : 4.5, fill, stroke: "#22272e", "stroke-width": 0.6 }, svg);
+      const [u, v] = p, seen = map.kind === "classes" ? `--c:${fill}` : "";
+      const dot = cross ? make("path", { d: `M${u - 3.5} ${v - 3.5}l7 7M${u + 3.5} ${v - 3.5}l-7 7`, stroke: fill, style: seen, "stroke-width": 1.4 }, svg)
+        : make("circle", { cx: u, cy: v, r: rows.length > 1500 ? 2.6 : 4.5, fill, style: seen, "stroke-width": 0.6 }, svg);
       dot.setAttribute("class", "dot");
       dot.dataset.id = this.value(row, "id");
       one.dots.push([u, v, row]);
@@ -104,8 +104,8 @@ class Maps {
       const known = Object.keys(map.classes).filter((name) => this.data.rows.some((row) => this.value(row, map.key) === name));
       known.forEach((name, i) => {
         const y = TOP + 9 + 30 * i, { color, cross, label } = map.classes[name];
-        if (cross) make("path", { d: `M${left - 8} ${y - 4}l7 7m0 -7l-7 7`, stroke: color, "stroke-width": 1.4 }, svg);
-        else make("circle", { cx: left - 4, cy: y - 1, r: 4, fill: color, stroke: "#22272e", "stroke-width": 0.6 }, svg);
+        if (cross) make("path", { d: `M${left - 8} ${y - 4}l7 7m0 -7l-7 7`, stroke: color, style: `--c:${color}`, "stroke-width": 1.4 }, svg);
+        else make("circle", { class: "key", cx: left - 4, cy: y - 1, r: 4, fill: color, style: `--c:${color}`, "stroke-width": 0.6 }, svg);
         label.split(" ").forEach((word, j) => make("text", { x: left + 5, y: y + 3 + 12 * j, "font-size": "88%" }, svg, word));
       });
       return (row) => {

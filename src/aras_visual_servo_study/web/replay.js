@@ -1,5 +1,6 @@
 // The replay of a report: the run in the 3-D view, with a slider of time that the curves of the page share.
 import { meshOf } from "./lib/meshes.js";
+import { readIn } from "./lib/units.js";
 import { hasWebGL, World } from "./lib/world.js";
 
 const section = document.querySelector("#replay"), source = document.querySelector("#replay-data");
@@ -14,12 +15,16 @@ const start = () => {
     const value = document.createElement("b"), chip = document.createElement("span");
     chip.append(`${joint.name} `, value);
     joints.append(chip);
-    return value;
+    const type = about.robot.joints.find(({ name }) => name === joint.name)?.type;
+    return { value, read: readIn(type === "prismatic" ? "m" : "rad") };
   });
   at("note").textContent = (data.again ? "The camera's images were drawn again from the recorded joint positions. " : "") + data.notes.join(" ");
   let world = null;
-  if (hasWebGL()) world = new World(canvas, about, Object.fromEntries(Object.entries(data.meshes).map(([name, block]) => [name, meshOf(bytes(block).buffer)])));
-  else { canvas.remove(); picture.style.position = "static"; at("note").textContent += " This browser has no WebGL, so the arm is not drawn."; }
+  if (hasWebGL()) {
+    const dark = matchMedia("(prefers-color-scheme: dark)");
+    world = new World(canvas, about, Object.fromEntries(Object.entries(data.meshes).map(([name, block]) => [name, meshOf(bytes(block).buffer)])), dark.matches);
+    dark.addEventListener("change", () => { world.build(dark.matches); world.setGoal(data.goal); show(moments[slider.value].t); });
+  } else { canvas.remove(); picture.style.position = "static"; at("note").textContent += " This browser has no WebGL, so the arm is not drawn."; }
   picture.width = about.camera.width;
   picture.height = about.camera.height;
   const pen = picture.getContext("2d"), images = data.images.map(({ t, jpeg }) => {
@@ -34,7 +39,7 @@ const start = () => {
     const index = nearest(moments, t), moment = moments[index];
     slider.value = index;
     output.textContent = `${moment.t.toFixed(2)} s`;
-    values.forEach((value, i) => { value.textContent = moment.q[i].toFixed(3).replace("-", "−"); });
+    values.forEach(({ value, read }, i) => { value.textContent = `${(read.factor * moment.q[i]).toFixed(1).replace("-", "−")} ${read.unit}`; });
     const { image } = images[nearest(images, moment.t)];
     if (image !== shown) {
       shown = image;

@@ -87,7 +87,7 @@ class Plot {
     const node = make("text", { x: x.toFixed(1), y: y.toFixed(1), "text-anchor": anchor }, this.svg, text);
     if (sub !== undefined) {
       make("tspan", { dy: 3, "font-size": "80%" }, node, sub);
-      make("tspan", { dy: -3 }, node, " [m]");
+      make("tspan", { dy: -3 }, node, " [mm]");
     }
     return node;
   }
@@ -108,12 +108,12 @@ class TimePlot extends Plot {
     }));
   }
   value(y) { return y === null ? null : this.data.log ? Math.log10(Math.max(Math.abs(y), 1e-7)) : y; }
-  x(t) { return this.left + (t - this.range[0]) / (this.range[1] - this.range[0]) * (this.w - this.left - 10); }
-  t(x) { return this.range[0] + (x - this.left) / (this.w - this.left - 10) * (this.range[1] - this.range[0]); }
+  x(t) { return this.left + (t - this.range[0]) / (this.range[1] - this.range[0]) * (this.edge - this.left); }
+  t(x) { return this.range[0] + (x - this.left) / (this.edge - this.left) * (this.range[1] - this.range[0]); }
   y(v) { return 12 + (this.high - v) / (this.high - this.low) * (this.h - 12 - 42); }
   draw() {
     const { t, series, log } = this.data, svg = this.svg, [from, to] = this.range, bottom = this.h - 42;
-    this.left = 58;
+    this.left = 58; this.edge = this.w - (this.data.right ? 56 : 10);
     svg.replaceChildren();
     const seen = [];
     series.forEach((one, index) => this.hidden.has(index) || one.y.forEach((y, i) => {
@@ -132,21 +132,20 @@ class TimePlot extends Plot {
       make("path", { class: "grid", d: `M${x} 12V${bottom}` }, svg);
       this.label(x, bottom + 16, tickText(value, across.step), "middle");
     }
-    let up = ticks(this.low, this.high, 5);
-    if (log && up.step < 1 && this.high - this.low > 1.2) up = { values: ticks(Math.ceil(this.low), this.high, 50).values.filter((v) => Math.abs(v - Math.round(v)) < 1e-9), step: 1 };
-    for (const value of up.values) {
-      const y = this.y(value);
-      make("path", { class: !log && Math.abs(value) < 1e-12 ? "zero" : "grid", d: `M${this.left} ${y}H${this.w - 10}` }, svg);
-      const whole_power = log && Math.abs(value - Math.round(value)) < 1e-9;
-      const text = this.label(this.left - 6, y + 4, !log ? tickText(value, up.step) : whole_power ? "10" : (10 ** value).toExponential(1).replace("-", "−"), "end");
-      if (whole_power) make("tspan", { dy: -5, "font-size": "80%" }, text, minus(String(Math.round(value))));
-    }
+    this.ruler(this.data.scale, (y, zero) => {
+      make("path", { class: zero ? "zero" : "grid", d: `M${this.left} ${y}H${this.edge}` }, svg);
+      return [this.left - 6, "end"];
+    });
+    if (this.data.right) this.ruler(this.data.right.scale, (y) => {
+      make("path", { class: "frame", d: `M${this.edge} ${y}h4` }, svg);
+      return [this.edge + 7, "start"];
+    });
     const clip = `clip-${this.figure.id}`;
-    make("rect", { x: this.left, y: 12, width: this.w - this.left - 10, height: bottom - 12 }, make("clipPath", { id: clip }, make("defs", {}, svg)));
+    make("rect", { x: this.left, y: 12, width: this.edge - this.left, height: bottom - 12 }, make("clipPath", { id: clip }, make("defs", {}, svg)));
     const inside = make("g", { "clip-path": `url(#${clip})` }, svg);
-    for (const end of this.data.ends || []) make("path", { class: "end", d: `M${this.left} ${this.y(end)}H${this.w - 10}` }, inside);
+    for (const end of this.data.ends || []) make("path", { class: "end", d: `M${this.left} ${this.y(end)}H${this.edge}` }, inside);
     for (const level of log ? this.data.levels : [])
-      make("path", { class: "level", stroke: level.color, "stroke-dasharray": level.dash, "stroke-dashoffset": level.offset, d: `M${this.left} ${this.y(Math.log10(level.y))}H${this.w - 10}` }, inside);
+      make("path", { class: "level", stroke: level.color, style: `--c:${level.color}`, "stroke-dasharray": level.dash, "stroke-dashoffset": level.offset, d: `M${this.left} ${this.y(Math.log10(level.y))}H${this.edge}` }, inside);
     series.forEach((one, index) => {
       if (this.hidden.has(index)) return;
       let d = "", pen = "M";
@@ -155,13 +154,27 @@ class TimePlot extends Plot {
         d += pen + this.x(t[i]).toFixed(2) + " " + this.y(this.value(y)).toFixed(2);
         pen = "L";
       });
-      make("path", { class: "curve", stroke: one.color, "stroke-dasharray": one.dash || "none", d }, inside);
+      make("path", { class: "curve", stroke: one.color, style: `--c:${one.color}`, "stroke-dasharray": one.dash || "none", d }, inside);
     });
-    make("path", { class: "frame", d: `M${this.left} 12V${bottom}H${this.w - 10}` }, svg);
-    this.label((this.left + this.w - 10) / 2, this.h - 7, this.data.across, "middle");
-    this.label(0, 0, this.data.label, "middle").setAttribute("transform", `translate(12 ${(12 + bottom) / 2}) rotate(-90)`);
+    make("path", { class: "frame", d: `M${this.left} 12V${bottom}H${this.edge}${this.data.right ? "V12" : ""}` }, svg);
+    this.label((this.left + this.edge) / 2, this.h - 7, this.data.across, "middle");
+    for (const [x, text] of [[12, this.data.label], [this.w - 4, this.data.right?.label]])
+      if (text) this.label(0, 0, text, "middle").setAttribute("transform", `translate(${x} ${(12 + bottom) / 2}) rotate(-90)`);
     this.over = make("g", {}, svg);
     this.mark();
+  }
+  /** Draws the numbers of a scale. factor: to its unit.  place: of a height, draws its line and tells [x, anchor] of its number. */
+  ruler(factor, place) {
+    const { log } = this.data, to = (v) => (log ? v + Math.log10(factor) : v * factor), from = (v) => (log ? v - Math.log10(factor) : v / factor);
+    const low = to(this.low), high = to(this.high);
+    let up = ticks(low, high, 5);
+    if (log && up.step < 1 && high - low > 1.2) up = { values: ticks(Math.ceil(low), high, 50).values.filter((v) => Math.abs(v - Math.round(v)) < 1e-9), step: 1 };
+    for (const value of up.values) {
+      const y = this.y(from(value)), [x, anchor] = place(y, !log && Math.abs(value) < 1e-12);
+      const whole_power = log && Math.abs(value - Math.round(value)) < 1e-9;
+      const text = this.label(x, y + 4, !log ? tickText(value, up.step) : whole_power ? "10" : (10 ** value).toExponential(1).replace("-", "−"), anchor);
+      if (whole_power) make("tspan", { dy: -5, "font-size": "80%" }, text, minus(String(Math.round(value))));
+    }
   }
   mark(selection) {
     this.over.replaceChildren();
@@ -176,7 +189,7 @@ class TimePlot extends Plot {
       make("path", { class: "cursor", d: `M${x} 12V${this.h - 42}` }, this.over);
       this.data.series.forEach((one, index) => {
         if (one.y[i] !== null && !this.hidden.has(index))
-          make("circle", { cx: x, cy: this.y(this.value(one.y[i])), r: 3.2, fill: one.color }, this.over);
+          make("circle", { cx: x, cy: this.y(this.value(one.y[i])), r: 3.2, fill: one.color, style: `--c:${one.color}` }, this.over);
       });
     }
     this.readout.textContent = i === null ? "" : `t = ${this.data.t[i].toFixed(3)} s`;
@@ -189,7 +202,7 @@ class TimePlot extends Plot {
   begin(event) { this.mode = event.pointerType === "touch" ? "touch" : event.shiftKey || event.button === 1 ? "pan" : "select"; if (this.mode === "touch") this.hover(this.started); }
   drag(before, at) {
     const zoomed = this.range[1] - this.range[0] < 0.999 * this.end_s;
-    if (this.mode === "select") { if (this.moved) this.mark([clamp(this.started.x, this.left, this.w - 10), clamp(at.x, this.left, this.w - 10)]); }
+    if (this.mode === "select") { if (this.moved) this.mark([clamp(this.started.x, this.left, this.edge), clamp(at.x, this.left, this.edge)]); }
     else if (this.mode === "pan" || zoomed) { const d = this.t(before.x) - this.t(at.x); look(this.range[0] + d, this.range[1] + d); }
     else this.hover(at);
   }
@@ -198,7 +211,7 @@ class TimePlot extends Plot {
     this.mode = "pinched";
     if (Math.abs(gap) < 12 || Math.abs(before.x - other.x) < 12) return;
     const per = (a - b) / gap;     // seconds per pixel that keep both fingers on their moments
-    const from = b + (this.left - other.x) * per, to = b + (this.w - 10 - other.x) * per;
+    const from = b + (this.left - other.x) * per, to = b + (this.edge - other.x) * per;
     if (to > from) look(from, to);
   }
   end(at) {
@@ -259,7 +272,7 @@ class PathPlot extends Plot {
         a[axis] = b[axis] = value;
         line("grid", this.project(a), this.project(b));
         const [x, y] = this.project(axis === 0 ? [value, nearY, floor] : [nearX, value, floor]);
-        this.label(x + 3 * side, y + 13, tickText(value, step), anchor);
+        this.label(x + 3 * side, y + 13, tickText(1e3 * value, 1e3 * step), anchor);
       }
       this.label(mx + 46 * side, my + 28, "xy"[axis], anchor, "W");
     }
@@ -267,20 +280,20 @@ class PathPlot extends Plot {
     for (const value of values) {
       const [x, y] = this.project([...post, value]);
       line("grid", [x - 4, y], [x, y]);
-      this.label(x - 7, y + 4, tickText(value, step), "end");
+      this.label(x - 7, y + 4, tickText(1e3 * value, 1e3 * step), "end");
     }
     const top = this.project([...post, high[2]]);
     line("frame", this.project([...post, floor]), top);
     this.label(top[0], top[1] - 9, "z", "middle", "W");
     make("polyline", { class: "frame", points: chain([[low[0], low[1]], [high[0], low[1]], [high[0], high[1]], [low[0], high[1]], [low[0], low[1]]].map((q) => this.project([...q, floor]))) }, svg);
     make("polyline", { class: "shadow", points: chain(p.map((q) => this.project([q[0], q[1], floor]))) }, svg);
-    make("polyline", { class: "curve", stroke: colors.path, points: chain(p.map((q) => this.project(q))) }, svg);
+    make("polyline", { class: "curve", stroke: colors.path, style: `--c:${colors.path}`, points: chain(p.map((q) => this.project(q))) }, svg);
     const [x, y] = this.project(p[0]);
-    make("circle", { cx: x, cy: y, r: 5, fill: "none", stroke: colors.start, "stroke-width": 2 }, svg);
+    make("circle", { cx: x, cy: y, r: 5, fill: "none", stroke: colors.start, style: `--c:${colors.start}`, "stroke-width": 2 }, svg);
     if (goal) {
       const [gx, gy] = this.project(goal);
       const corners = [...Array(10).keys()].map((k) => `${gx + (k % 2 ? 3.4 : 8) * Math.sin(k * Math.PI / 5)} ${gy - (k % 2 ? 3.4 : 8) * Math.cos(k * Math.PI / 5)}`);
-      make("path", { d: `M${corners.join("L")}Z`, fill: colors.goal }, svg);
+      make("path", { d: `M${corners.join("L")}Z`, fill: colors.goal, style: `--c:${colors.goal}` }, svg);
     }
     this.over = make("g", {}, svg);
     this.mark();
@@ -290,7 +303,7 @@ class PathPlot extends Plot {
     const i = this.cursor;
     if (i !== null) {
       const [x, y] = this.project(this.data.p[i]);
-      make("circle", { cx: x, cy: y, r: 4.5, fill: this.data.colors.path, stroke: "#fff", "stroke-width": 1.5 }, this.over);
+      make("circle", { cx: x, cy: y, r: 4.5, fill: this.data.colors.path, style: `--c:${this.data.colors.path}` }, this.over);
     }
     this.readout.textContent = i === null ? "" : `t = ${this.data.t[i].toFixed(3)} s:  ` +
       this.data.p[i].map((value, k) => `${"xyz"[k]} ${minus((value * 1e3).toFixed(2))}`).join(",  ") + " mm";

@@ -99,7 +99,6 @@ from .features.interaction import plane_from_pose as plane_from_pose
 from .features.sources.base import known_sources as known_sources
 from .features.sources.base import source_named as source_named
 from .features.style import styles as styles
-from .features.style import units as units
 from .features.target.outline import Outline as Outline
 from .features.target.target_pose import ORDER as ORDER
 from .features.target.target_pose import PlanarTarget as PlanarTarget

@@ -17,6 +17,7 @@ from .compare.sweeps import LETTERS, format_comparison, gate_fires, numbers_of, 
 from .report.versions import installed_versions
 from .sweep.engine import Progress, open_sweep, run_pending
 from .sweep.figure import DEFAULT_AXES, make_figure
+from .sweep.map import joint_units
 from .sweep.plan import Start, SweepSettings, make_starts
 from .sweep.report import format_rows, save_report
 from .sweep.statistics import aggregate
@@ -107,7 +108,11 @@ class SweepComparison:
         """Writes compare.html into a folder. Returns its path."""
         path = Path(folder)
         path.mkdir(parents=True, exist_ok=True)
-        return save_sweeps_page(self.names, self.folders, self.sweeps, [], path, "")
+        joints = {}
+        if self.folders[0]:
+            with SweepStore.open(Path(self.folders[0])) as store:
+                joints = joint_units(store.meta["setup"])
+        return save_sweeps_page(self.names, self.folders, self.sweeps, [], path, "", joints)
 
 
 def sweep(scenario: Union[str, Path, Scenario], starts: Optional[int] = None, *, law: Optional[str] = None,

@@ -23,7 +23,7 @@ export const charts = (about, column, margin) => {
     { key: "errors", title: "Errors", unit: units.map((unit) => `[${unit}]`).join(", "), series: errors, least: 0.01, log: true },
     { key: "linear_velocity", title: "Camera linear velocity", unit: "[mm/s]", series: velocity(["vx", "vy", "vz"], 1e3, "mm_per_s"), fixed: true, least: 1 },
     { key: "angular_velocity", title: "Camera angular velocity", unit: "[deg/s]", series: velocity(["wx", "wy", "wz"], 180 / Math.PI, "deg_per_s"), fixed: true, least: 0.2 },
-    { key: "joints", title: "Joints", unit: `±1: limits less ${Number((1e3 * margin).toPrecision(3))} mm or ${Number((180 / Math.PI * margin).toPrecision(2))}°`, series: joints, fixed: true, low: -1.1, high: 1.35,
+    { key: "joints", title: "Joints", unit: `±1: limits less ${Number((1e3 * margin).toPrecision(3))} mm or ${Number((180 / Math.PI * margin).toPrecision(2))} deg`, series: joints, fixed: true, low: -1.1, high: 1.35,
       lines: [{ at: -1, label: "lower limit, less the margin" }, { at: 1, label: "upper limit, less the margin" }] },
     { key: "condition", title: "Conditioning", unit: "", log: true, series: [
       { name: "condition", label: "condition of L", colour: MORE[0], value: times(1, column.condition) },

@@ -16,7 +16,7 @@ const make = (page) => {
       const q = pose.slice(3), moved = rotate(q, [dx, dy, 0]).map((x, i) => x + pose[i]);
       ask({ do: "place_target", position_m: moved, q_xyzw: times(q, [0, 0, Math.sin(turn / 2), Math.cos(turn / 2)]) });
     };
-    const pad = el("div", { class: "pad" }, button("↺", "Rotate by 5°", () => nudge(0, 0, Math.PI / 36)), button("↑", "10 mm along its y", () => nudge(0, 0.01, 0)), button("↻", "Rotate by −5°", () => nudge(0, 0, -Math.PI / 36)),
+    const pad = el("div", { class: "pad" }, button("↺", "Rotate by 5 deg", () => nudge(0, 0, Math.PI / 36)), button("↑", "10 mm along its y", () => nudge(0, 0.01, 0)), button("↻", "Rotate by −5 deg", () => nudge(0, 0, -Math.PI / 36)),
       button("←", "−10 mm along its x", () => nudge(-0.01, 0, 0)), button("↓", "−10 mm along its y", () => nudge(0, -0.01, 0)), button("→", "10 mm along its x", () => nudge(0.01, 0, 0)));
     model.on("state", (state) => {
       if (state.target) where.textContent = `x ${(1e3 * state.target[0]).toFixed(1)}   y ${(1e3 * state.target[1]).toFixed(1)}   z ${(1e3 * state.target[2]).toFixed(1)} mm`;

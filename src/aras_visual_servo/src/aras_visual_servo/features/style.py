@@ -1,7 +1,7 @@
 """How features are shown: figures, pages, videos and tables give a feature the same unit, symbol and colour.
 
     for style, column in zip(styles(record.feature_names), record.e.T):
-        axes.plot(t_s, column, color=style.colour, label=style.mathtext)
+        axes.plot(t_s, style.factor * column, color=style.colour, label=style.mathtext)
 
 The class of each feature has them; a plugin without gets defaults.
 """
@@ -46,12 +46,12 @@ class FeatureStyle:
 
     @property
     def mathtext(self) -> str:
-        """Symbol and unit as text for matplotlib: "$x_{n}$ [m]"."""
+        """Symbol and `read_unit` as text for matplotlib: "$x_{n}$ [mm]"."""
         plain = re.fullmatch(r"\w+", self.symbol) and (self.subscript or len(self.letter) == 1)
         if not plain:  # mathtext would set a name of several letters as a product of variables
-            return self.symbol.replace("$", r"\$") + f" [{self.unit}]"
+            return self.symbol.replace("$", r"\$") + f" [{self.read_unit}]"
         below = self.subscript.replace("_", r"\_")
-        return (f"${self.letter}_{{{below}}}$" if below else f"${self.letter}$") + f" [{self.unit}]"
+        return (f"${self.letter}_{{{below}}}$" if below else f"${self.letter}$") + f" [{self.read_unit}]"
 
     @property
     def factor(self) -> float:
@@ -90,11 +90,6 @@ def styles(names: Iterable[str]) -> Tuple[FeatureStyle, ...]:
             found[index] = replace(style, colour=spare(taken))
             taken.append(found[index].colour)
     return tuple(found)
-
-
-def units(shown: Iterable[FeatureStyle]) -> str:
-    """Units of these styles for the name of an axis, each once: "[m], [rad]"."""
-    return ", ".join(dict.fromkeys(f"[{style.unit}]" for style in shown))
 
 
 def _style(name):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from matplotlib.mathtext import MathTextParser
 
-from aras_visual_servo import expand, Feature, known_features, register_family, register_feature, spread, styles, units
+from aras_visual_servo import expand, Feature, known_features, register_family, register_feature, spread, styles
 from aras_visual_servo.features import base
 from aras_visual_servo.palette import distance, LEAST_DISTANCE, oklab, PALETTE, rgb, spare
 
@@ -32,7 +32,8 @@ def registered():
 
 def test_the_four_default_features_look_as_they_always_did():
     assert [(one.mathtext, one.colour) for one in styles(("xn", "yn", "an", "alpha"))] == [
-        ("$x_{n}$ [m]", "#0072B2"), ("$y_{n}$ [m]", "#D55E00"), ("$a_{n}$ [m]", "#009E73"), ("$α$ [rad]", "#AA4499")]
+        ("$x_{n}$ [mm]", "#0072B2"), ("$y_{n}$ [mm]", "#D55E00"), ("$a_{n}$ [mm]", "#009E73"),
+        ("$α$ [deg]", "#AA4499")]
 
 
 @pytest.mark.parametrize("name", SHIPPED)
@@ -120,10 +121,6 @@ def test_lengths_and_angles_are_read_off_in_mm_and_deg():
     assert (length.factor, length.read_unit) == (1e3, "mm")
     assert (angle.factor, angle.read_unit) == (pytest.approx(57.29577951308232), "deg")
     assert (number.factor, number.read_unit) == (1.0, "-")
-
-
-def test_an_axis_names_each_unit_once():
-    assert units(styles(("xn", "yn", "sx", "alpha"))) == "[m], [-], [rad]"
 
 
 def test_a_value_of_a_group_is_that_of_each_of_its_features():

@@ -26,14 +26,16 @@ def _sweeps_options(parser: ArgumentParser) -> None:
 
 def _sweeps(arguments: Namespace) -> int:
     from ..compare.sweeps import LETTERS, format_comparison, gate_fires, numbers_of, save_sweeps_page
+    from ..sweep.map import joint_units
     from ..sweep.store import SweepStore
     if len(arguments.sweeps) > len(LETTERS):
         raise ParameterError(f"found {len(arguments.sweeps)} sweeps, allowed {len(LETTERS)}")
-    sweeps, homes = [], []
+    sweeps, homes, joints = [], [], {}
     for folder in arguments.sweeps:
         with SweepStore.open(folder) as store:
             sweeps.append(store.rows())
             homes.append(store.folder.resolve())
+            joints = joints or joint_units(store.meta["setup"])
             missing = len(store.starts()) - len(sweeps[-1])
         if missing:
             print(f"note: {folder}: {missing} runs are still missing", file=sys.stderr)
@@ -42,7 +44,7 @@ def _sweeps(arguments: Namespace) -> int:
     print(format_comparison(names, sweeps))
     for text, fires, why in gates:
         print(f"{'FAILED' if fires else 'passed'}: {text}   ({why})")
-    path = save_sweeps_page(names, homes, sweeps, gates, _folder(arguments, "sweeps"), arguments.repeat)
+    path = save_sweeps_page(names, homes, sweeps, gates, _folder(arguments, "sweeps"), arguments.repeat, joints)
     print(f"{'report':<20}{path}")
     return cli.EXIT_FAILED if any(fires for _, fires, _ in gates) else cli.EXIT_PASSED
 

@@ -75,8 +75,8 @@ def make_figure(runs: Sequence[Run]) -> Figure:
     rows = 4
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(max(4.2 * len(runs), 6.0), 11.5))
-        grid = figure.add_gridspec(rows, len(runs), left=0.09, right=0.98, top=0.955, bottom=0.045, hspace=0.3,
-                                   wspace=0.22, height_ratios=(1.25, 1.0, 1.0, 1.2))
+        grid = figure.add_gridspec(rows, len(runs), left=0.09, right=0.95, top=0.955, bottom=0.045, hspace=0.3,
+                                   wspace=0.4, height_ratios=(1.25, 1.0, 1.0, 1.2))
         panels = [[figure.add_subplot(grid[row, column], projection=Axes3D.name if row == 0 else None)
                    for column in range(len(runs))] for row in range(rows)]
         for column, run in enumerate(runs):

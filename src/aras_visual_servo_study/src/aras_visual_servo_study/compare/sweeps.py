@@ -6,7 +6,7 @@ import math
 import operator
 import statistics
 from pathlib import Path
-from typing import Any, Dict, List, Sequence, Tuple, Union
+from typing import Any, Dict, List, Mapping, Sequence, Tuple, Union
 
 from aras_visual_servo import ParameterError, palette
 from ..files import write_whole
@@ -187,24 +187,26 @@ def _start(row):
 
 
 def save_sweeps_page(names: Sequence[str], folders: Sequence[Union[str, Path]], sweeps: List[List[Dict[str, Any]]],
-                     gates: Sequence[Tuple[str, bool, str]], folder: Path, command: str) -> Path:
+                     gates: Sequence[Tuple[str, bool, str]], folder: Path, command: str,
+                     joints: Mapping[str, str] = {}) -> Path:
     """Writes compare.html into an existing folder. Returns its path.
 
     Args: folders: absolute paths of those of the sweeps.  sweeps: rows of each, A first.
         gates: [(expression, whether it fires, why)].  command: how to repeat the comparison.
+        joints: of `joint_units`.
     Raises: ResultFolderError: the file cannot be written.
     """
-    return write_whole(folder / FILE, sweeps_page(names, folders, sweeps, gates, command))
+    return write_whole(folder / FILE, sweeps_page(names, folders, sweeps, gates, command, joints))
 
 
 def sweeps_page(names: Sequence[str], folders: Sequence[Union[str, Path]], sweeps: List[List[Dict[str, Any]]],
-                gates: Sequence[Tuple[str, bool, str]], command: str) -> str:
+                gates: Sequence[Tuple[str, bool, str]], command: str, joints: Mapping[str, str] = {}) -> str:
     """The page as text; arguments as of `save_sweeps_page`."""
     letters = LETTERS[:len(sweeps)]
     numbers = numbers_of(sweeps)
-    first = {"maps": sweep_maps(sweeps[0], DEFAULT_AXES, str(folders[0]))} if len(sweeps) == 1 else None
+    first = {"maps": sweep_maps(sweeps[0], DEFAULT_AXES, str(folders[0]), joints)} if len(sweeps) == 1 else None
     pairs = [{"title": f"{letter}: {name} against A: {names[0]}", "words": _words(letter, numbers),
-              "maps": paired_maps(sweeps[0], rows, letter, (str(folders[0]), str(folder)))}
+              "maps": paired_maps(sweeps[0], rows, letter, (str(folders[0]), str(folder)), joints)}
              for letter, name, folder, rows in list(zip(letters, names, folders, sweeps))[1:]]
     return render("sweeps.html.j2", sweeps=list(zip(letters, names, map(str, folders))),
                   table=table_cells(TABLE, numbers, letters),
@@ -213,7 +215,7 @@ def sweeps_page(names: Sequence[str], folders: Sequence[Union[str, Path]], sweep
 
 
 def paired_maps(rows_a: List[Dict[str, Any]], rows_b: List[Dict[str, Any]], letter: str,
-                folders: Tuple[str, str]) -> str:
+                folders: Tuple[str, str], joints: Mapping[str, str] = {}) -> str:
     """Data of the maps of sweep B, called `letter`, against A: JSON for the page. A dot is a pair of runs."""
     rows = [_pair_row(a, b) for a, b in pair(rows_a, rows_b)]
     looks = {"both": ("both succeed", palette.BLUE), "neither": ("neither", palette.GREY),
@@ -227,11 +229,11 @@ def paired_maps(rows_a: List[Dict[str, Any]], rows_b: List[Dict[str, Any]], lett
              for key, label, unit, digits in (("outcome", "result", "", None), ("reason", "reason", "", None),
                                               *((column, what, unit, digits)
                                                 for _, column, unit, digits, what in CHANGES))
-             for which, name in (("a", "A"), ("b", letter))] + start_facts(rows)
+             for which, name in (("a", "A"), ("b", letter))] + start_facts(rows, joints)
     commands = [{"label": f"Rerun in {name}:", "folder": folder,
                  "text": "aras-servo rerun {id} --sweep {folder}"}
                 for name, folder in zip(("A", letter), folders)]
-    return page_data(rows, DEFAULT_AXES, maps, facts, commands, None)
+    return page_data(rows, DEFAULT_AXES, maps, facts, commands, None, joints)
 
 
 def _pair_row(a, b):

@@ -1,7 +1,8 @@
 """The six panels of the paper's figure, drawn from a RunRecord with matplotlib, without pyplot and a display.
 
-(a) desired image  (b) initial image  (c) difference, final - desired  (d) feature errors  (e) camera velocity
-(f) path of the camera in the world, circle at the start, star at the goal.
+(a) desired image  (b) initial image  (c) differences from the desired image, at the start and at the end
+(d) feature errors  (e) camera velocity  (f) path of the camera in the world, circle at the start, star at the goal.
+Lengths are in mm and angles in deg.
 """
 
 import contextlib
@@ -20,8 +21,11 @@ from mpl_toolkits.mplot3d import Axes3D
 
 from aras_visual_servo import RunRecord, palette, styles
 from ..files import write_whole
-from .pictures import PANELS, image_of, panel_title
+from .pictures import DIFFERENCES, LARGEST, PANELS, image_of, largest_difference, panel_title
+from .scales import Scale, scales_of
 
+#: Panels of the figure, in two rows: panel (c) is the difference at the start with that at the end beside it.
+IMAGES, PLOTS = ("desired", "initial", "start", "difference"), ("errors", "velocity", "path")
 TWIST_LABELS = ("$v_x$", "$v_y$", "$v_z$", r"$\omega_x$", r"$\omega_y$", r"$\omega_z$")
 TWIST_STYLES = tuple((color, style) for style in ("-", (0, (4, 1.5)))
                      for color in (palette.BLUE, palette.VERMILION, palette.GREEN))
@@ -74,15 +78,18 @@ def save_figure(record: RunRecord, png_path: Optional[Path] = None, pdf_path: Op
     Args: record: RunRecord.  png_path, pdf_path: files to write; None: not this one.
     """
     with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(11.0, 6.4))
-        grid = figure.add_gridspec(2, 3, height_ratios=(1.0, 1.08), left=0.07, right=0.98, top=0.95, bottom=0.075,
-                                   wspace=0.27, hspace=0.2)
-        for index, panel in enumerate(PANELS):
-            axes = figure.add_subplot(grid[divmod(index, 3)], projection=Axes3D.name if panel == "path" else None)
+        figure = Figure(figsize=(11.0, 6.0))
+        images = figure.add_gridspec(1, 4, left=0.03, right=0.945, top=0.95, bottom=0.63, wspace=0.08)
+        plots = figure.add_gridspec(1, 3, left=0.065, right=0.975, top=0.55, bottom=0.08, wspace=0.53)
+        for column, panel in enumerate(IMAGES):
+            draw_panel(record, panel, figure.add_subplot(images[column]), letter="abc"[column:column + 1],
+                       scale=panel == IMAGES[-1])
+        for column, panel in enumerate(PLOTS):
+            axes = figure.add_subplot(plots[column], projection=Axes3D.name if panel == "path" else None)
             if panel == "path":  # the names of its axes stand right of it
                 left, bottom, width, height = axes.get_position().bounds
-                axes.set_position((left - 0.03, bottom - 0.01, width, height + 0.02))
-            draw_panel(record, panel, axes, letter="abcdef"[index])
+                axes.set_position((left - 0.02, bottom - 0.03, width, height + 0.05))
+            draw_panel(record, panel, axes, letter="def"[column])
         # Without a creation date the same run gives the same bytes.
         if png_path is not None:
             figure.savefig(png_path, dpi=dpi, metadata={"Software": None})
@@ -124,8 +131,12 @@ def save_panels(record: RunRecord, folder: Path, size_in: Tuple[float, float] = 
     return paths
 
 
-def draw_panel(record: RunRecord, panel: str, axes: Axes, letter: str = "", title: bool = True) -> None:
-    """Draws one of PANELS, or "start" (see `image_of`), on matplotlib axes; "path" needs a 3-D projection."""
+def draw_panel(record: RunRecord, panel: str, axes: Axes, letter: str = "", title: bool = True,
+               scale: bool = True) -> None:
+    """Draws one of PANELS, or "start" (see `image_of`), on matplotlib axes; "path" needs a 3-D projection.
+
+    Args: scale: whether a difference has its scale of grey levels beside it.
+    """
     if panel not in (*PANELS, "start"):
         raise ValueError(f"panel '{panel}': allowed are {', '.join(PANELS)}, start")
     if title:
@@ -133,16 +144,22 @@ def draw_panel(record: RunRecord, panel: str, axes: Axes, letter: str = "", titl
         axes.set_title((f"({letter}) " if letter else "") + panel_title(record, panel), pad=5.0,
                        y=None if panel == "path" else 1.0)
     if panel == "errors":
-        looks: List[Any] = [(style.colour, "-", style.mathtext) for style in styles(record.feature_names)]
-        _draw_curves(record, axes, record.e, looks, r"$\mathbf{e} = \mathbf{s} - \mathbf{s}^*$",
+        shown = styles(record.feature_names)
+        looks: List[Any] = [(style.colour, "-", style.mathtext) for style in shown]
+        _draw_curves(record, axes, record.e, looks, (r"$\mathbf{e}$", r"$\mathbf{e}$"), [style.unit for style in shown],
                      columns=2 if len(looks) <= 8 else 4)
     elif panel == "velocity":
         looks = [(*style, label) for style, label in zip(TWIST_STYLES, TWIST_LABELS)]
-        _draw_curves(record, axes, record.twist, looks, r"$\mathbf{v}$ [m/s], $\mathbf{\omega}$ [rad/s]", columns=2)
+        _draw_curves(record, axes, record.twist, looks, (r"$\mathbf{v}$", r"$\mathbf{\omega}$"), ("m/s", "rad/s"),
+                     columns=2)
     elif panel == "path":
         _draw_path(record, axes)
     else:
         _draw_image(axes, image_of(record, panel))
+        if panel in DIFFERENCES:
+            axes.set_xlabel(_largest(record, panel))
+            if scale:
+                _draw_scale(axes)
 
 
 def _draw_image(axes, image):
@@ -164,15 +181,39 @@ def _draw_image(axes, image):
     axes.axvline((width - 1) / 2, color="#000000", alpha=0.25, linewidth=0.6, linestyle=(5, (6, 4)))
 
 
-def _draw_curves(record, axes, values, looks, label, columns):
-    """Draws columns of the values over the time of the servo. looks: (colour, dash, label) of each."""
+def _largest(record, panel):
+    found = largest_difference(record, panel)
+    return "" if found is None else f"largest: {found:.0f} grey levels"
+
+
+def _draw_scale(axes):
+    """Draws the scale of a difference right of it."""
+    bar = axes.inset_axes((1.03, 0.0, 0.04, 1.0))
+    bar.imshow(np.arange(256, dtype=np.uint8)[:, None], cmap="gray", vmin=0, vmax=255, aspect="auto", origin="lower",
+               extent=(0.0, 1.0, -LARGEST, LARGEST))
+    bar.grid(False)
+    bar.set_xticks([])
+    bar.set_yticks([-200, -100, 0, 100, 200])
+    bar.yaxis.tick_right()
+    for spine in bar.spines.values():
+        spine.set_visible(True)
+
+
+def _draw_curves(record, axes, values, looks, labels, units, columns):
+    """Draws columns of the values over the time of the servo.
+
+    Args: looks: (colour, dash, label) of each.  labels: of the scales on the left and on the right.  units: of all.
+    """
+    left, right = scales_of(units)
+    values = left.factor * values
     rows = record.servo_rows
     t_s = record.servo_t_s
     axes.axhline(0.0, color=palette.GREY, linewidth=0.8)
     for (color, dash, name), column in zip(looks, values[rows].T):
         axes.plot(t_s, column, color=color, linestyle=dash, label=name)
     axes.set_xlabel("time since the servo started [s]")
-    axes.set_ylabel(label)
+    axes.set_ylabel(f"{labels[0]} {left.label}".strip())
+    second_scale(axes, left, right, labels[1])
     if len(t_s) > 1:
         axes.set_xlim(0.0, t_s[-1])
         axes.legend(loc="best", ncol=columns, handlelength=1.6, columnspacing=1.2)
@@ -180,12 +221,23 @@ def _draw_curves(record, axes, values, looks, label, columns):
         _say(axes, "no servo phase in this record")
 
 
+def second_scale(axes: Axes, left: Scale, right: Optional[Scale], name: str = "") -> None:
+    """Draws the scale on the right of curves that are drawn by that on the left, where there is one."""
+    if right is None:
+        return
+    part = right.factor / left.factor
+    other = axes.secondary_yaxis("right", functions=(lambda y: y * part, lambda y: y / part))
+    other.yaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
+    other.set_ylabel(f"{name} {right.label}".strip(), labelpad=1.0)
+    other.grid(False)
+
+
 def _draw_path(record, axes):
     rows = record.servo_rows
-    p = record.X_WM[rows, :3, 3]
+    p = 1e3 * record.X_WM[rows, :3, 3]
     p = p[np.all(np.isfinite(p), axis=1)]
     taught = record.rows("teach")
-    goal = record.X_WM[taught[-1], :3, 3] if len(taught) else np.full(3, np.nan)
+    goal = 1e3 * record.X_WM[taught[-1], :3, 3] if len(taught) else np.full(3, np.nan)
     if len(p):
         axes.plot(*p.T, color=palette.BLUE)
         axes.plot(*p[:1].T, linestyle="", marker="o", markersize=7, markerfacecolor="none", markeredgewidth=1.6,
@@ -196,7 +248,7 @@ def _draw_path(record, axes):
     points = points[np.all(np.isfinite(points), axis=1)]
     if len(points):
         centre = (points.max(axis=0) + points.min(axis=0)) / 2
-        half = max((points.max(axis=0) - points.min(axis=0)).max() / 2 * 1.08, 1e-3)
+        half = max((points.max(axis=0) - points.min(axis=0)).max() / 2 * 1.08, 1.0)
         for set_limits, middle in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), centre):
             set_limits(middle - half, middle + half)
     axes.set_box_aspect((1, 1, 1), zoom=1.06)
@@ -205,8 +257,8 @@ def _draw_path(record, axes):
         axis.set_major_locator(MaxNLocator(4))
         axis.set_pane_color((0.97, 0.97, 0.97, 1.0))
         axis.set_tick_params(pad=1.0 if name == "z" else -1.0)
-        axis.set_label_text(f"${name}_W$ [m]")
-        axis.labelpad = 3.0 if name == "z" else 1.0
+        axis.set_label_text(f"${name}_W$ [mm]")
+        axis.labelpad = 4.0 if name == "z" else 1.0
     if len(points):
         axes.legend(loc="upper left", handletextpad=0.2, borderaxespad=0.0)
 

@@ -9,7 +9,7 @@ import numpy as np
 from aras_visual_servo import RunRecord, palette
 from ..live.hub import jpeg
 from .overlays import overlay_of
-from .plots import number, star
+from .plots import named, number, star
 
 #: Moments that the page keeps at most: a curve through the image needs no more.
 MOST_MOMENTS = 150
@@ -42,8 +42,9 @@ def image_plot(record: RunRecord) -> Optional[Dict[str, Any]]:
     if overlay.difference:
         legend += [{"name": "■ darker than the goal image", "sub": "", "color": DARKER, "dash": ""},
                    {"name": "■ brighter", "sub": "", "color": BRIGHTER, "dash": ""}]
-    return {"id": "image", "kind": "image", "title": "the features in the image, from the start to the goal (★)",
-            "legend": legend, "data": data, "svg": _svg(data, _background(record, overlay.difference))}
+    title = "the features in the image, from the start to the goal (★)"
+    return {"id": "image", "kind": "image", "title": title, "legend": legend, "data": data,
+            "svg": named(_svg(data, _background(record, overlay.difference)), title)}
 
 
 def coloured_difference(image: np.ndarray, desired: np.ndarray) -> np.ndarray:

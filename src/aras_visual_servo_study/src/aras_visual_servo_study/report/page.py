@@ -64,11 +64,11 @@ def png_bytes(image: np.ndarray) -> bytes:
 def _images(record):
     """Title and data address of each picture, in the camera's own pixels; address None if the record lacks it."""
     shown = []
-    for letter, panel in (("a", "desired"), ("b", "initial"), ("c", "difference"), ("", "start")):
+    for letter, panel in (("a", "desired"), ("b", "initial"), ("c", "start"), ("", "difference")):
         image = pictures.image_of(record, panel)
-        if panel == "start" and image is None:
-            continue
         title = (f"({letter}) " if letter else "") + pictures.panel_title(record, panel).replace("$-$", "−")
+        largest = pictures.largest_difference(record, panel) if panel in pictures.DIFFERENCES else None
+        title += "" if largest is None else f", at most {largest:.0f} grey levels"
         shown.append({"panel": panel, "title": title,
                       "src": None if image is None else data_uri(png_bytes(image), "image/png")})
     return shown

@@ -7,9 +7,11 @@ import numpy as np
 from aras_visual_servo import RunRecord
 
 PANELS = ("desired", "initial", "difference", "errors", "velocity", "path")
-TITLES = {"desired": "desired image", "initial": "initial image", "difference": "difference, final $-$ desired",
+TITLES = {"desired": "desired image", "initial": "initial image", "difference": "final $-$ desired",
           "errors": "feature errors", "velocity": "camera velocity", "path": "path of the camera",
-          "start": "difference at the start, initial $-$ desired"}
+          "start": "initial $-$ desired"}
+#: Panels that show how an image differs from the desired one; the largest difference, in grey levels, that they show.
+DIFFERENCES, LARGEST = ("start", "difference"), 255
 #: Instead, where the arm carries the target and the camera stands still.
 EYE_TO_HAND = {"velocity": "camera velocity, seen from the target", "path": "path of the target"}
 
@@ -32,11 +34,21 @@ def image_of(record: RunRecord, panel: str) -> Optional[np.ndarray]:
         return record.desired_image
     if panel == "initial":
         return record.initial_image
+    difference = _difference(record, panel)
+    return None if difference is None else np.clip(np.rint(128.0 + 0.5 * difference), 0, 255).astype(np.uint8)
+
+
+def largest_difference(record: RunRecord, panel: str) -> Optional[float]:
+    """The largest size of one of DIFFERENCES, in grey levels; None if the record lacks an image."""
+    difference = _difference(record, panel)
+    return None if difference is None else float(np.abs(difference).max())
+
+
+def _difference(record, panel):
     other = record.initial_image if panel == "start" else record.final_image
     if other is None or record.desired_image is None or other.shape != record.desired_image.shape:
         return None
-    difference = _grey(other) - _grey(record.desired_image)
-    return np.clip(np.rint(128.0 + 0.5 * difference), 0, 255).astype(np.uint8)
+    return _grey(other) - _grey(record.desired_image)
 
 
 def _grey(image):

@@ -10,7 +10,8 @@ from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
 
-from aras_visual_servo import RunRecord, palette, spread, styles, units
+from aras_visual_servo import RunRecord, palette, spread, styles
+from .scales import NO_UNIT, Scale, scales_of
 
 # Symbol with its subscript, colour, dash, factor to the unit that is read off.
 TWIST = tuple((letter, axis, color, dash, factor, unit)
@@ -19,6 +20,7 @@ TWIST = tuple((letter, axis, color, dash, factor, unit)
 PATH_COLORS = {"path": palette.BLUE, "start": palette.VERMILION, "goal": palette.GREEN}
 WIDTH, HEIGHT = 520, 310
 LEFT, RIGHT, TOP, BOTTOM = 62, 10, 12, 44
+SECOND = 58              # room for a second scale, in place of RIGHT
 SIGNIFICANT = 7          # digits of the numbers in the page: more than any zoom of a plot can show
 LOG_FLOOR = 1e-7         # smaller errors are drawn at this height, in the units of the features
 DASH, GAP = 4, 3         # of the dashed lines at the thresholds [px]
@@ -37,11 +39,12 @@ def plots_of(record: RunRecord, title_of_velocity: str = "camera velocity") -> L
               for column, one in enumerate(features)]
     levels = _levels(features, spread(record.settings.get("servo", {}).get("thresholds", {})))
     twist = [series_of(style, record.twist[rows, column]) for column, style in enumerate(TWIST)]
+    scales = scales_of(one.unit for one in features)
     plots = [
-        time_plot("errors", "feature errors, e = s − s*", t_s, series, f"e  {units(features)}"),
+        time_plot("errors", "feature errors, e = s − s*", t_s, series, "e", scales=scales),
         time_plot("convergence", "size of the errors, and thresholds of the stop rule (dashed)", t_s, series,
-                  f"|e|  {units(features)}", log=True, levels=levels),
-        time_plot("velocity", title_of_velocity, t_s, twist, "v [m/s], ω [rad/s]")]
+                  "|e|", log=True, levels=levels, scales=scales),
+        time_plot("velocity", title_of_velocity, t_s, twist, "v", scales=scales_of(("m/s", "rad/s")), second="ω")]
     path = _path_plot(record, rows, t_s)
     return plots + ([path] if path else [])
 
@@ -86,13 +89,23 @@ def number(value: float) -> Optional[float]:
 
 def time_plot(name: str, title: str, t_s: np.ndarray, series: List[Dict[str, Any]], label: str, log: bool = False,
               levels: Sequence[Dict[str, Any]] = (), ends: Optional[List[float]] = None,
-              across: str = "time since the servo started [s]") -> Dict[str, Any]:
-    """A plot of kind "time". ends: heights that are always in view and have a line, for example those of limits.
-    across: label of the horizontal axis."""
-    data = {"t": [number(t) for t in t_s], "series": series, "label": label, "log": log, "levels": list(levels),
-            "ends": ends, "across": across}
+              across: str = "time since the servo started [s]", scales: Tuple[Scale, Optional[Scale]] = NO_UNIT,
+              second: str = "") -> Dict[str, Any]:
+    """A plot of kind "time".
+
+    Args:
+        label: of the vertical axis, before the unit of its scale.  second: the same on the right.
+        ends: heights that are always in view and have a line, for example those of limits.
+        across: label of the horizontal axis.  scales: of `scales_of`.
+    """
+    left, right = scales
+    data = {"t": [number(t) for t in t_s], "series": series, "label": f"{label} {left.label}".strip(), "log": log,
+            "scale": left.factor,
+            "right": right and {"label": f"{second or label} {right.label}", "scale": right.factor},
+            "levels": list(levels), "ends": ends, "across": across}
     legend = [{key: one[key] for key in ("name", "sub", "color", "dash")} for one in series]
-    return {"id": name, "kind": "time", "title": title, "legend": legend, "data": data, "svg": _time_svg(data)}
+    return {"id": name, "kind": "time", "title": title, "legend": legend, "data": data,
+            "svg": named(_time_svg(data), title)}
 
 
 def _time_svg(data):
@@ -104,8 +117,10 @@ def _time_svg(data):
     pad = 0.06 * (high - low) or 1e-6
     low, high = low - pad, high + pad
 
+    edge = WIDTH - (SECOND if data["right"] else RIGHT)
+
     def at(t, y):
-        return (LEFT + t / t_end * (WIDTH - LEFT - RIGHT), TOP + (high - y) / (high - low) * (HEIGHT - TOP - BOTTOM))
+        return (LEFT + t / t_end * (edge - LEFT), TOP + (high - y) / (high - low) * (HEIGHT - TOP - BOTTOM))
 
     parts = []
     ticks, step = nice_ticks(0.0, t_end, 6)
@@ -113,26 +128,38 @@ def _time_svg(data):
         x = at(t, 0)[0]
         parts += [f'<path class="grid" d="M{x:.1f} {TOP}V{HEIGHT - BOTTOM}"/>',
                   _text(x, HEIGHT - BOTTOM + 17, tick_text(t, step))]
-    ticks, step = ([float(k) for k in range(math.ceil(low), math.floor(high) + 1)], 1.0) if data["log"] else \
-        nice_ticks(low, high, 5)
-    for y in ticks:
+    for y, words in _marks(low, high, data["scale"], data["log"]):
         v = at(0, y)[1]
-        words = _power(round(y)) if data["log"] else tick_text(y, step)
         kind = "zero" if y == 0 and not data["log"] else "grid"
-        parts += [f'<path class="{kind}" d="M{LEFT} {v:.1f}H{WIDTH - RIGHT}"/>', _text(LEFT - 6, v + 4, words, "end")]
-    parts += [f'<path class="end" d="M{LEFT} {at(0, end)[1]:.1f}H{WIDTH - RIGHT}"/>' for end in data["ends"] or ()]
+        parts += [f'<path class="{kind}" d="M{LEFT} {v:.1f}H{edge}"/>', _text(LEFT - 6, v + 4, words, "end")]
+    for y, words in _marks(low, high, data["right"]["scale"], data["log"]) if data["right"] else ():
+        v = at(0, y)[1]
+        parts += [f'<path class="frame" d="M{edge} {v:.1f}h4"/>', _text(edge + 7, v + 4, words, "start")]
+    parts += [f'<path class="end" d="M{LEFT} {at(0, end)[1]:.1f}H{edge}"/>' for end in data["ends"] or ()]
     for level in data["levels"] if data["log"] else ():
         v = at(0, math.log10(level["y"]))[1]
-        parts.append(f'<path class="level" stroke="{level["color"]}" stroke-dasharray="{level["dash"]}" '
-                     f'stroke-dashoffset="{level["offset"]}" d="M{LEFT} {v:.1f}H{WIDTH - RIGHT}"/>')
+        parts.append(f'<path class="level" stroke="{level["color"]}" style="--c:{level["color"]}" '
+                     f'stroke-dasharray="{level["dash"]}" '
+                     f'stroke-dashoffset="{level["offset"]}" d="M{LEFT} {v:.1f}H{edge}"/>')
     for one, ys in zip(data["series"], drawn):
-        style = f' stroke="{one["color"]}" stroke-dasharray="{one["dash"] or "none"}"'
+        style = f' stroke="{one["color"]}" style="--c:{one["color"]}" stroke-dasharray="{one["dash"] or "none"}"'
         parts += [_polyline("curve", [at(*point) for point in run], style) for run in _runs(data["t"], ys)]
-    parts.append(f'<path class="frame" d="M{LEFT} {TOP}V{HEIGHT - BOTTOM}H{WIDTH - RIGHT}"/>')
-    parts.append(_text((LEFT + WIDTH - RIGHT) / 2, HEIGHT - 7, data["across"]))
-    parts.append(f'<text transform="translate(13 {(TOP + HEIGHT - BOTTOM) / 2}) rotate(-90)" text-anchor="middle">'
-                 f'{escape(data["label"])}</text>')
+    up = f"V{TOP}" if data["right"] else ""
+    parts.append(f'<path class="frame" d="M{LEFT} {TOP}V{HEIGHT - BOTTOM}H{edge}{up}"/>')
+    parts.append(_text((LEFT + edge) / 2, HEIGHT - 7, data["across"]))
+    labels = [(13, data["label"])] + ([(WIDTH - 5, data["right"]["label"])] if data["right"] else [])
+    parts += [f'<text transform="translate({x} {(TOP + HEIGHT - BOTTOM) / 2}) rotate(-90)" text-anchor="middle">'
+              f'{escape(label)}</text>' for x, label in labels]
     return svg_of(parts)
+
+
+def _marks(low, high, scale, log):
+    """[(height, text)] of the ticks of a scale between these heights; of a logarithmic one at whole powers of ten."""
+    if log:
+        shift = math.log10(scale)
+        return [(k - shift, _power(k)) for k in range(math.ceil(low + shift), math.floor(high + shift) + 1)]
+    ticks, step = nice_ticks(low * scale, high * scale, 5)
+    return [(tick / scale, tick_text(tick, step)) for tick in ticks]
 
 
 def _transformed(y, log):
@@ -169,7 +196,8 @@ def _path_plot(record, rows, t_s):
     words = {"path": "path", "start": "○ start", "goal": "★ goal (taught)"}
     legend = [{"name": words[part], "sub": "", "color": color, "dash": ""} for part, color in PATH_COLORS.items()]
     title = f"path of the {'target' if record.eye_to_hand else 'camera'} in the world, to scale"
-    return {"id": "path", "kind": "path", "title": title, "legend": legend, "data": data, "svg": _path_svg(data)}
+    return {"id": "path", "kind": "path", "title": title, "legend": legend, "data": data,
+            "svg": named(_path_svg(data), title)}
 
 
 def path_box(data: Dict[str, Any]) -> Tuple[np.ndarray, np.ndarray]:
@@ -206,23 +234,25 @@ def _path_svg(data):
             a[axis] = b[axis] = value
             parts.append(_line("grid", at(a), at(b)))
             x, y = at((value, near_y, low[2]) if axis == 0 else (near_x, value, low[2]))
-            parts.append(_text(x + 3 * side, y + 13, tick_text(value, step), anchor))
+            parts.append(_text(x + 3 * side, y + 13, tick_text(1e3 * value, 1e3 * step), anchor))
         parts.append(_axis_name(name, middle[0] + 46 * side, middle[1] + 28, anchor))
     post = min(((x, y) for x in (low[0], high[0]) for y in (low[1], high[1])), key=lambda c: at((*c, low[2]))[0])
     ticks, step = nice_ticks(low[2], high[2], 3)
     for value in ticks:
         x, y = at((*post, value))
-        parts += [_line("grid", (x - 4, y), (x, y)), _text(x - 7, y + 4, tick_text(value, step), "end")]
+        parts += [_line("grid", (x - 4, y), (x, y)), _text(x - 7, y + 4, tick_text(1e3 * value, 1e3 * step), "end")]
     x, y = at((*post, high[2]))
     parts += [_line("frame", at((*post, low[2])), (x, y)), _axis_name("z", x, y - 9, "middle")]
     corners = [(low[0], low[1]), (high[0], low[1]), (high[0], high[1]), (low[0], high[1]), (low[0], low[1])]
     parts.append(_polyline("frame", [at((*c, low[2])) for c in corners]))
     parts.append(_polyline("shadow", [at((x, y, low[2])) for x, y, _ in data["p"]]))
-    parts.append(_polyline("curve", [at(point) for point in data["p"]], f' stroke="{palette.BLUE}"'))
+    parts.append(_polyline("curve", [at(point) for point in data["p"]],
+                           f' stroke="{palette.BLUE}" style="--c:{palette.BLUE}"'))
     x, y = at(data["p"][0])
-    parts.append(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="5" fill="none" stroke="{palette.VERMILION}" stroke-width="2"/>')
+    parts.append(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="5" fill="none" stroke="{palette.VERMILION}" '
+                 f'style="--c:{palette.VERMILION}" stroke-width="2"/>')
     if data["goal"]:
-        parts.append(f'<path d="{star(*at(data["goal"]))}" fill="{palette.GREEN}"/>')
+        parts.append(f'<path d="{star(*at(data["goal"]))}" fill="{palette.GREEN}" style="--c:{palette.GREEN}"/>')
     return svg_of(parts)
 
 
@@ -246,7 +276,12 @@ def _polyline(kind, points, more=""):
 
 
 def _axis_name(name, x, y, anchor):
-    return _text(x, y, f'{name}<tspan dy="3" font-size="80%">W</tspan><tspan dy="-3"> [m]</tspan>', anchor)
+    return _text(x, y, f'{name}<tspan dy="3" font-size="80%">W</tspan><tspan dy="-3"> [mm]</tspan>', anchor)
+
+
+def named(svg: str, title: str) -> str:
+    """The picture with a title for readers who do not see it."""
+    return svg.replace('role="img"', f'role="img" aria-label="{escape(title)}"', 1)
 
 
 def svg_of(parts: List[str]) -> str:

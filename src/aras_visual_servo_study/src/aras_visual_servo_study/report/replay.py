@@ -24,7 +24,7 @@ from .template import script
 #: Moments that the slider has at most, images at most and at least, and their size together [bytes].
 MOST_MOMENTS, MOST_IMAGES, LEAST_IMAGES, IMAGE_BYTES = 400, 90, 10, 500_000
 #: The page's own modules, each after those that it imports.
-MODULES = ("lib/meshes.js", "lib/robot.js", "lib/props.js", "lib/world.js", "replay.js")
+MODULES = ("lib/meshes.js", "lib/units.js", "lib/robot.js", "lib/props.js", "lib/world.js", "replay.js")
 
 
 class ReplayError(ArasError):

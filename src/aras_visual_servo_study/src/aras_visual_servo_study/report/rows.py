@@ -3,14 +3,16 @@
 import math
 from typing import Any, Dict, List, Optional
 
+from .scales import DEG
+
 #: Stands below each table that shows the published results.
 NOT_COMPARABLE = ("The paper's row cannot be compared with the others: the paper does not define its \"mean of "
                   "tracking errors\" (of which quantity, against which truth, over how many runs).")
 #: Columns of the table of final errors.
 ERROR_KEYS = ("x_mm", "y_mm", "z_mm", "angle_deg")
 #: What the stop rule judges beside the features: key, label, unit that is shown, its factor.
-_STOP = (("tilt_rad", "tilt", "mrad", 1e3), ("position_m", "distance from the goal", "mm", 1e3),
-         ("rotation_rad", "angle from the goal", "mrad", 1e3))
+_STOP = (("tilt_rad", "tilt", "deg", DEG), ("position_m", "distance from the goal", "mm", 1e3),
+         ("rotation_rad", "angle from the goal", "deg", DEG))
 
 
 def comparison_rows(summary: Dict[str, Any]) -> List[Dict[str, Any]]:

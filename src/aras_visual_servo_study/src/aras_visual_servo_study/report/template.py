@@ -15,6 +15,11 @@ def render(template: str, /, **values: Any) -> str:
     return _environment().get_template(template).render(**values)
 
 
+def colours() -> str:
+    """The style sheet with the colours of all pages."""
+    return (share_dir() / "web" / "colours.css").read_text(encoding="utf-8")
+
+
 def script(*modules: str) -> str:
     """The modules of the folder web, each after those that it imports, as one script that needs no other file."""
     texts = [(share_dir() / "web" / name).read_text(encoding="utf-8") for name in modules]
@@ -40,6 +45,8 @@ def _environment():
         about = folder.stat()
         if about.st_uid == os.getuid() and not about.st_mode & 0o022:  # what stands there is run
             compiled = Compiled(str(folder), f"{jinja2.__version__}_%s")
-    return jinja2.Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined,
-                              bytecode_cache=compiled,
-                              loader=jinja2.FileSystemLoader(str(share_dir() / "config" / "templates")))
+    environment = jinja2.Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True, bytecode_cache=compiled,
+                                     undefined=jinja2.StrictUndefined,
+                                     loader=jinja2.FileSystemLoader(str(share_dir() / "config" / "templates")))
+    environment.globals["colours"] = colours
+    return environment

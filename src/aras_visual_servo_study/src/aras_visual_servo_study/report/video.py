@@ -17,10 +17,12 @@ import numpy as np
 from aras_visual_servo import ArasError, ParameterError, RunRecord, palette, styles
 from .image_plot import coloured_difference
 from .overlays.base import Overlay, overlay_of
+from .scales import scales_of
 
 WIDTH, VIEW_HEIGHT, CURVES_HEIGHT = 1280, 480, 240
 HALF = WIDTH // 2
 LEGEND_COLUMNS = 8
+LEFT, RIGHT = 0.08, 0.93      # ends of the time axis, parts of the width
 HOLD_S = 0.8                  # the last frame is shown for this long
 WANTED_RGB = palette.rgb(palette.GREEN)
 SUBPIXEL_BITS = 4             # cv2 draws at fractions of a pixel
@@ -181,21 +183,24 @@ class Composer:
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure
 
-        from .figure import STYLE
+        from .figure import STYLE, second_scale
         shown, pictures, dpi = styles(self._record.feature_names), [], 100
         for strength in (0.22, 1.0):
             with matplotlib.rc_context(dict(STYLE, **{"font.size": 13, "axes.labelsize": 14, "xtick.labelsize": 13,
                                                       "ytick.labelsize": 13, "legend.fontsize": 14})):
                 figure = Figure(figsize=(WIDTH / dpi, CURVES_HEIGHT / dpi), dpi=dpi)
                 canvas = FigureCanvasAgg(figure)
-                axes = figure.add_axes((0.08, 0.24, 0.9, 0.72))
+                axes = figure.add_axes((LEFT, 0.24, RIGHT - LEFT, 0.72))
+                left, right = scales_of(style.unit for style in shown)
                 for style, column in zip(shown, self._record.e[self._rows].T):
-                    axes.plot(self._t_s, column, alpha=strength, linewidth=2.4, color=style.colour)
+                    axes.plot(self._t_s, left.factor * column, alpha=strength, linewidth=2.4, color=style.colour)
                     axes.plot([], [], color=style.colour, linewidth=2.4, label=style.mathtext)
                 axes.set_xlim(0.0, max(self._t_s[-1], 1e-9))
                 axes.set_xlabel("time since the servo started [s]", labelpad=1)
-                axes.set_ylabel(r"$\mathbf{e}$")
-                axes.legend(loc="upper right", ncol=min(len(shown), LEGEND_COLUMNS), handlelength=1.4)
+                axes.set_ylabel(r"$\mathbf{e}$ " + left.label)
+                second_scale(axes, left, right)
+                axes.legend(loc="upper right", ncol=min(len(shown), LEGEND_COLUMNS), handlelength=1.2,
+                            columnspacing=1.2)
                 canvas.draw()
                 pictures.append(np.array(canvas.buffer_rgba())[:, :, :3])
-        return (*pictures, 0.08 * WIDTH, 0.98 * WIDTH)
+        return (*pictures, LEFT * WIDTH, RIGHT * WIDTH)

@@ -15,7 +15,8 @@ DEFAULT_AXES = ("x0_mm", "y0_mm")
 #: Columns that may be axes of a map, together with start_*, offset_*, goal_* and those of p_* that hold numbers.
 AXES = ("x0_mm", "y0_mm", "z0_mm", "distance0_mm", "angle0_deg")
 LABELS = {"x0_mm": "initial $x$ [mm]", "y0_mm": "initial $y$ [mm]", "z0_mm": "initial $z$ [mm]",
-          "distance0_mm": "initial distance [mm]", "angle0_deg": "initial angle [deg]"}
+          "distance0_mm": "initial distance [mm]", "angle0_deg": "initial angle [deg]",
+          "goal_distance_mm": "distance of the goal [mm]"}
 
 
 def known_axes(rows: List[Dict[str, Any]]) -> List[str]:
@@ -69,7 +70,7 @@ def _map(rows, axes):
     refused = [row for row in placed if row["outcome"] == "infeasible"]
     cells = _cell_edges(feasible, axes)
     limits_of = [_limits(values) for values in _columns(placed, axes)] if placed else None
-    success = [] if every_run_succeeds(placed) else [("success rate", "success", feasible, "RdYlBu", (0.0, 1.0))]
+    success = [] if every_run_succeeds(placed) else [("success [%]", "success", feasible, "RdYlBu", (0.0, 100.0))]
     panels = (*success,
               ("time to the end [s]", "duration_s", [r for r in feasible if r["success"]], "viridis", None),
               ("final error [mm]", "error_mm", [r for r in feasible if r["error_mm"] is not None], "viridis", None))
@@ -85,7 +86,7 @@ def _map(rows, axes):
             panel.scatter(*_columns(refused, axes), marker="x", s=12, linewidths=0.7, c=palette.GREY)
         if chosen:
             x, y = _columns(chosen, axes)
-            values = np.array([row[column] for row in chosen], dtype=float)
+            values = (100.0 if column == "success" else 1.0) * np.array([row[column] for row in chosen], dtype=float)
             norm = _norm(column, values, limits)
             _cells(panel, x, y, values, colours, norm, cells)
             dots = panel.scatter(x, y, c=values, cmap=colours, norm=norm, s=14, linewidths=0.4, edgecolors="#333333")
@@ -141,14 +142,14 @@ def _curve(rows):
         curve = success_curve(distances, [row[name] for row in feasible], bins)
         if curve:
             x = np.array([point["middle"] for point in curve]) + sign * shift
-            rate = np.array([point["rate"] for point in curve])
-            low, high = ([point[key] for point in curve] for key in ("ci_low", "ci_high"))
+            rate = 100.0 * np.array([point["rate"] for point in curve])
+            low, high = (100.0 * np.array([point[key] for point in curve]) for key in ("ci_low", "ci_high"))
             panel.errorbar(x, rate, [np.maximum(0, rate - low), np.maximum(0, high - rate)], color=colour, fmt=style,
                            markersize=4, linewidth=1.2, elinewidth=1.0, capsize=2.5,
                            label=f"{METRICS[name].label}: {METRICS[name].threshold}")
-    panel.set_ylim(-0.03, 1.03)
+    panel.set_ylim(-3.0, 103.0)
     panel.set_xlabel("initial distance [mm]")
-    panel.set_ylabel("success rate, 95 % Wilson")
+    panel.set_ylabel("success [%], 95 % Wilson")
     if distances:
         panel.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2)
     return figure

@@ -4,11 +4,14 @@ The script web/map.js draws them.
 """
 
 import json
-from typing import Any, Dict, List, Optional, Tuple
+from typing import Any, Dict, List, Mapping, Optional, Tuple
 
-from aras_visual_servo import palette
+from aras_visual_servo import ArasError, palette
+from ..live.view.robot import robot_of
+from ..report.scales import read_off
 from .figure import LABELS, known_axes
 from .statistics import every_run_succeeds
+from .worker import scenario_of
 
 #: Looks of the outcomes of a run.
 OUTCOMES = {"success": {"label": "success", "color": palette.BLUE},
@@ -25,10 +28,26 @@ MAP_MODULES = ("lib/dom.js", "lib/draw.js", "map.js")
 SIGNIFICANT = 7
 
 
-def sweep_maps(rows: List[Dict[str, Any]], axes: Tuple[str, ...], folder: Optional[str] = None) -> str:
+#: Beginnings of the columns of what was varied, and how a page calls them.
+VARIED = {"start_": "start, ", "offset_": "offset, ", "goal_": "goal, ", "p_": ""}
+
+
+def joint_units(setup: Dict[str, Any]) -> Dict[str, str]:
+    """{joint: "m" or "rad"} of the robot of a sweep; {} where its files are not here any more."""
+    try:
+        joints = robot_of(scenario_of(setup).urdf_xml())["joints"]
+    except (ArasError, OSError, RuntimeError, KeyError):
+        return {}
+    return {joint["name"]: "m" if joint["type"] == "prismatic" else "rad" for joint in joints}
+
+
+def sweep_maps(rows: List[Dict[str, Any]], axes: Tuple[str, ...], folder: Optional[str] = None,
+               joints: Mapping[str, str] = {}) -> str:
     """The data of a sweep's maps, as JSON that may stand in a page; axes: the two columns to begin with.
 
-    Args: folder: of the sweep, for the command that repeats a run; None: where the page is.
+    Args:
+        folder: of the sweep, for the command that repeats a run; None: where the page is.
+        joints: of `joint_units`.
     """
     success: Dict[str, Any] = {"title": "result", "key": "outcome", "kind": "classes", "classes": OUTCOMES}
     time = {"title": "time of successful runs [s]", "key": "succeeded_s", "kind": "scale"}
@@ -36,11 +55,11 @@ def sweep_maps(rows: List[Dict[str, Any]], axes: Tuple[str, ...], folder: Option
     rows = [dict(row, succeeded_s=row["duration_s"] if row["success"] else None) for row in rows]
     facts = [fact("outcome", "result", short=True), fact("reason", "reason", short=True), fact("detail", "in words"),
              *(fact(key, label, unit, digits, short=key in ("duration_s", "error_mm"))
-               for key, label, unit, digits in RESULTS), *start_facts(rows)]
+               for key, label, unit, digits in RESULTS), *start_facts(rows, joints)]
     command: Dict[str, Any] = {"label": "Rerun with the full report:", "folder": folder,
                                "text": "aras-servo rerun {id} --sweep {folder}"}
     maps = [time, error] if every_run_succeeds(rows) else [success, time, error]
-    return page_data(rows, axes, maps, facts, [command], {"key": "outcome", "value": "infeasible"})
+    return page_data(rows, axes, maps, facts, [command], {"key": "outcome", "value": "infeasible"}, joints)
 
 
 def fact(key: str, label: str, unit: str = "", digits: Optional[int] = None, short: bool = False) -> Dict[str, Any]:
@@ -48,23 +67,39 @@ def fact(key: str, label: str, unit: str = "", digits: Optional[int] = None, sho
     return {"key": key, "label": label, "unit": unit, "digits": digits, "short": short}
 
 
-def start_facts(rows: List[Dict[str, Any]]) -> List[Dict[str, Any]]:
+def varied(column: str, joints: Mapping[str, str]) -> Optional[Tuple[str, float, str]]:
+    """(name, factor, unit) of a column of something that was varied, as people read it; None for other columns."""
+    for beginning, words in VARIED.items():
+        if column.startswith(beginning) and column not in LABELS and not column.endswith("_mm"):
+            name = column[len(beginning):]
+            read, factor, unit = read_off(name, joints.get(name, "") if beginning == "start_" else "")
+            return words + read, factor, unit
+    return None
+
+
+def start_facts(rows: List[Dict[str, Any]], joints: Mapping[str, str] = {}) -> List[Dict[str, Any]]:
     """Facts of where a run begins: its place against the goal, then the joints and whatever else was varied."""
     found = [fact(axis, plain_label(axis).partition(" [")[0], unit, digits, axis in ("distance0_mm", "angle0_deg"))
              for axis, unit, digits in (("distance0_mm", "mm", 1), ("angle0_deg", "deg", 2), ("x0_mm", "mm", 2),
                                         ("y0_mm", "mm", 2), ("z0_mm", "mm", 2))]
-    varied = [name for name in (rows[0] if rows else ()) if name.startswith(("start_", "offset_", "goal_", "p_"))]
-    return found + [fact(name, name.replace("start_", "start, ", 1).replace("p_", "", 1) if name[0] in "sp" else name,
-                         digits=4 if all(isinstance(row[name], (float, type(None))) for row in rows) else None)
-                    for name in varied]
+    for column in rows[0] if rows else ():
+        read = varied(column, joints)
+        if read:
+            numbers = all(isinstance(row[column], (float, type(None))) for row in rows)
+            found.append(fact(column, read[0], read[2], (2 if read[2] in ("mm", "deg") else 4) if numbers else None))
+    return found
 
 
 def page_data(rows: List[Dict[str, Any]], axes: Tuple[str, ...], maps: List[Dict[str, Any]],
-              facts: List[Dict[str, Any]], commands: List[Dict[str, Any]], crosses: Optional[Dict[str, str]]) -> str:
+              facts: List[Dict[str, Any]], commands: List[Dict[str, Any]], crosses: Optional[Dict[str, str]],
+              joints: Mapping[str, str] = {}) -> str:
     """JSON of rows (dicts), maps, facts and commands. A text that many rows share stands there once.
 
-    crosses: {key, value} of rows that a map shows as crosses where it has no value for them.
+    Args:
+        crosses: {key, value} of rows that a map shows as crosses where it has no value for them.
+        joints: of `joint_units`.
     """
+    read = {key: varied(key, joints) or (key, 1.0, "") for key in (rows[0] if rows else ())}
     keys = list(dict.fromkeys([*(axis for axis in known_axes(rows)), *(one["key"] for one in maps), "id",
                                *(one["key"] for one in facts)]))
     keys = [key for key in keys if rows and key in rows[0]]
@@ -76,15 +111,16 @@ def page_data(rows: List[Dict[str, Any]], axes: Tuple[str, ...], maps: List[Dict
         value = row[key]
         if key in place:
             return place[key].get(value)
-        return float(f"{value:.{SIGNIFICANT}g}") if isinstance(value, float) else value
+        return float(f"{read[key][1] * value:.{SIGNIFICANT}g}") if isinstance(value, float) else value
 
     data = {"columns": keys, "rows": [[cell(row, key) for key in keys] for row in rows], "texts": texts,
-            "axes": [{"key": axis, "label": plain_label(axis)} for axis in known_axes(rows)], "x": axes[0],
+            "axes": [{"key": axis, "label": plain_label(axis, joints)} for axis in known_axes(rows)], "x": axes[0],
             "y": axes[1], "maps": maps, "facts": [one for one in facts if one["key"] in keys], "commands": commands,
             "crosses": crosses}
     return json.dumps(data, ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c")
 
 
-def plain_label(axis: str) -> str:
+def plain_label(axis: str, joints: Mapping[str, str] = {}) -> str:
     """Name of an axis without mathtext."""
-    return LABELS.get(axis, axis).replace("$", "")
+    name, _, unit = varied(axis, joints) or (LABELS.get(axis, axis).replace("$", ""), 1.0, "")
+    return f"{name} [{unit}]" if unit else name

@@ -9,9 +9,10 @@ from pathlib import Path
 from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 from ..files import write_whole
+from ..report.scales import read_off
 from ..report.template import render, script
 from .figure import DEFAULT_AXES, save_figures
-from .map import MAP_MODULES, sweep_maps
+from .map import MAP_MODULES, joint_units, sweep_maps
 from .metrics import known_metrics
 from .statistics import aggregate, every_run_succeeds, reasons
 from ..report.drawing import Drawing
@@ -56,7 +57,8 @@ def report_html(store: SweepStore, rows: List[Dict[str, Any]], pictures: Dict[st
                                                  ("position error [mm]", "error", "mm", "{:.4f}"),
                                                  ("angle [deg]", "angle", "deg", "{:.5f}"))],
         reasons=reasons(rows),
-        maps=sweep_maps(rows, axes), script=script(*MAP_MODULES), map=base64.b64encode(pictures["map"]).decode(),
+        maps=sweep_maps(rows, axes, joints=joint_units(store.meta["setup"])), script=script(*MAP_MODULES),
+        map=base64.b64encode(pictures["map"]).decode(),
         map_caption=CAPTIONS["map"], one_colour=every_run_succeeds(rows),
         pictures=[(CAPTIONS[name], base64.b64encode(png).decode()) for name, png in pictures.items() if name in shown],
         settings=setting_rows(store.meta), command=store.meta["command"],
@@ -73,8 +75,11 @@ def setting_rows(meta: Dict[str, Any]) -> List[Tuple[str, str]]:
     """(name, value) of everything that the sweep varied."""
     settings = meta["settings"]
     rows = [(key, str(settings[key])) for key in ("starts", "method", "space", "seed")]
-    rows += [(f"range of {name}", f"{low:g} to {high:g}") for name, (low, high) in settings["ranges"].items()]
-    rows += [(f"goal, range of {name}", f"{low:g} to {high:g}") for name, (low, high) in settings["goal"].items()]
+    joints = joint_units(meta["setup"]) if "setup" in meta else {}
+    for words, ranges in (("range of ", settings["ranges"]), ("goal, range of ", settings["goal"])):
+        for key, (low, high) in ranges.items():
+            name, factor, unit = read_off(key, joints.get(key, ""))
+            rows.append((words + name, f"{factor * low:.6g} to {factor * high:.6g} {unit}".strip()))
     return rows + [(f"perturbed: {name}", text) for name, text in settings["perturb"].items()]
 
 

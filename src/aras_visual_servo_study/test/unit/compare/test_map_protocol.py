@@ -11,7 +11,7 @@ from aras_visual_servo.laws import base as laws
 from aras_visual_servo.laws.image import ImageBased
 from aras_visual_servo_study.compare.protocols import protocol_named, runner
 from aras_visual_servo_study.compare.protocols.base import Case
-from aras_visual_servo_study.compare.protocols.convergence import page, sets, starts
+from aras_visual_servo_study.compare.protocols.convergence import entries, maps, page, sets, starts
 from aras_visual_servo_study.sweep.statistics import wilson
 
 
@@ -83,17 +83,17 @@ def test_starts_cover_distance_and_angle_evenly_and_see_the_whole_target():
 
 def test_cells_count_the_runs_and_only_a_box_in_which_all_arrive_is_promised():
     rows = rows_of(216, lambda distance_m, angle_rad: distance_m < 0.2 and angle_rad < 0.5 * math.pi)
-    found = page.map_of(rows)
+    found = entries.map_of(rows)
     assert found.runs.shape == (6, 6) and found.runs.sum() == 216 and abs(found.runs - 6).max() <= 2
     assert (found.won[:4, :3] == found.runs[:4, :3]).all() and not found.won[4:].any() and not found.won[:, 3:].any()
     assert found.interval(0, 0) == wilson(int(found.won[0, 0]), int(found.runs[0, 0]))
-    promised = page.certificate(found)
+    promised = entries.certificate(found)
     assert (promised.distance_m, promised.angle_rad) == pytest.approx((0.2, 0.5 * math.pi))
     assert promised.runs == found.runs[:4, :3].sum() and promised.least == wilson(promised.runs, promised.runs)[0]
-    assert promised.words() == f"0.2 m, 90°: {promised.runs} of {promised.runs}, > {100 * promised.least:.0f} %"
+    assert promised.words() == f"200 mm, 90 deg: {promised.runs} of {promised.runs}, > {100 * promised.least:.0f} %"
     rows[0]["success"] = 0 if rows[0]["success"] else 1
-    assert page.certificate(page.map_of(rows)) != promised
-    assert page.certificate(page.map_of(rows_of(24, lambda *_: False))).words() == ""
+    assert entries.certificate(entries.map_of(rows)) != promised
+    assert entries.certificate(entries.map_of(rows_of(24, lambda *_: False))).words() == ""
 
 
 def test_the_page_holds_every_map_with_its_intervals_and_is_the_same_for_the_same_runs(tmp_path):
@@ -101,21 +101,41 @@ def test_the_page_holds_every_map_with_its_intervals_and_is_the_same_for_the_sam
         return Case(f"{law}_{label}", None, [], {"law": law, "features": label})
 
     results = [(case("ibvs", "six points"), rows_of(54, lambda distance_m, _: distance_m < 0.1)),
-               (case("pbvs", "a tag"), rows_of(54, lambda *_: True))]
+               (case("pbvs", "a tag"), rows_of(54, lambda *_: True)),
+               (case("ibvs", "moments, tilt by sx, sy"), rows_of(54, lambda *_: True))]
     texts = []
     for name in ("a", "b"):
         (tmp_path / name).mkdir()
         paths = page.save(results, [("elongation", "no set has it")], tmp_path / name)
         texts.append([path.read_bytes() for path in paths])
-    assert [path.name for path in paths] == ["map.html", "map.png", "map.md"] and texts[0] == texts[1]
-    html, _, table = texts[0]
+    assert [path.name for path in paths] == ["map.html", "map_areas.png", "map_points.png", "map.md"]
+    assert texts[0] == texts[1]
+    html, areas, points, table = texts[0]
+    assert areas != points
     html = html.decode()
-    assert html.count("<svg viewBox=") == 2 and html.count("<rect ") == 2 * 9 and "http" not in html
-    assert "elongation: no set has it" in html and "0.3 m, 180°: 54 of 54, &gt; 93 %" in html
-    assert "100 to 200 mm, 60 to 120°: 0 of 6, 0 to 39 %" in html
+    assert html.count("<svg viewBox=") == 3 and html.count("<rect ") == 3 * 9 and "http" not in html
+    assert "elongation: no set has it" in html and "300 mm, 180 deg: 54 of 54, &gt; 93 %" in html
+    assert "100 to 200 mm, 60 to 120 deg: 0 of 6, 0 to 39 %" in html
     won = sum(row["success"] for row in results[0][1])
     low, high = (100 * end for end in wilson(won, 54))
     assert f"| six points | {100 * won / 54:.0f} ({low:.0f} to {high:.0f}) |  |" in table.decode()
+
+
+def test_each_map_stands_once_in_one_picture_and_no_line_is_too_long():
+    empty = entries.map_of(rows_of(6, lambda *_: True))
+    made = [entries.Entry(row.law, row.set.label, 6, 6, 6, empty, entries.certificate(empty), "")
+            for row in sets.plan()[0]]
+    drawn = []
+    for picture in maps.PICTURES:
+        lines = maps.lines_of(maps.shown_in(made, picture))
+        for line in lines:
+            columns = [block.column + k for block in line for k in range(len(block.maps))]
+            assert columns == list(range(len(columns))) and len(columns) <= maps.COLUMNS
+        areas = [one.of_area for one in sets.SETS for line in lines for block in line if one.label == block.label]
+        assert set(areas) == {picture == "areas"}
+        drawn += [(one.law, block.label) for line in lines for block in line for one in block.maps]
+        assert len(lines) < len({label for _, label in drawn})
+    assert sorted(drawn) == sorted((one.law, one.features) for one in made)
 
 
 def test_the_hash_of_a_table_is_that_of_all_its_runs():

@@ -55,7 +55,7 @@ def test_there_are_eight_lessons_whose_scenes_are_allowed():
     ("gain_30", "gain 30 per second", "overshoots"),
     ("wrong_depth", "told twice the depth, 1.18 m", "rate"),
     ("singularity", "J3 bent by 0.02 rad", "faster"),
-    ("camera_retreat", "turn by 60°", "away"),
+    ("camera_retreat", "turn by 60 deg", "away"),
     ("moments_and_points", "moments xn, yn, an, sx, sy, alpha", "straight")])
 def test_the_answer_is_checked_against_the_run(name, change, right):
     run, lesson = LiveRun(load_scenario("experiment_1")), LESSONS[name]

@@ -81,11 +81,14 @@ def test_every_feature_has_a_unit_wherever_it_is_shown(record):
     legend = [text.get_text() for text in axes.get_legend().get_texts()]
     shown = styles(record.feature_names)
     assert {style.unit for style in shown} <= UNITS
-    assert [re.search(r"\[(.+)\]$", text)[1] for text in legend] == [style.unit for style in shown]
+    assert [re.search(r"\[(.+)\]$", text)[1] for text in legend] == [style.read_unit for style in shown]
     assert [re.search(r"\[(.+?)\]", row[0])[1] for row in table_of(record)] == [style.read_unit for style in shown]
     errors = plots_of(record)[0]["data"]
     assert [series["unit"] for series in errors["series"]] == [style.read_unit for style in shown]
-    assert all(f"[{style.unit}]" in errors["label"] for style in shown)
+    for style, series in zip(shown, errors["series"]):
+        beside = errors["right"] if style.unit == "rad" and errors["right"] else errors
+        unit = "10⁻³" if style.unit == "-" and errors["scale"] == 1e3 else style.read_unit
+        assert f"[{unit}]" in beside["label"] and series["factor"] == (beside["scale"] if unit != "10⁻³" else 1.0)
 
 
 def test_every_feature_has_its_gain_and_threshold_in_the_table(record):

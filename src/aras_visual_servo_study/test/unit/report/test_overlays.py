@@ -82,7 +82,7 @@ def test_every_way_and_shape_has_a_legend_and_a_colour_in_the_page(shown):
     figure = re.search(r'<figure class="plot" id="image".*?</figure>', report_html(record, summarise(record)), re.S)[0]
     legend = re.search(r'<div class="legend">(.*?)</div>', figure, re.S)[1]
     entries = {re.sub("<.*?>", "", text): colour
-               for colour, text in re.findall(r'<span style="color:(#\w+)">(.*?)</span>', legend)}
+               for colour, text in re.findall(r'--c:(#\w+);[^>]*></span>(.*?)</span>', legend)}
     for way in overlay.ways:
         assert entries[way.name + way.subscript] == way.colour
     for shape in overlay.shapes:

@@ -14,9 +14,10 @@ from synthetic import FEATURE_ERROR, make_record, RATE_PER_S, X_WCG
 from aras_visual_servo import palette, styles
 from aras_visual_servo.palette import GREEN
 from aras_visual_servo_study.report import plots
-from aras_visual_servo_study.report.figure import draw_panel
+from aras_visual_servo_study.report.figure import draw_panel, save_figure
 from aras_visual_servo_study.report.pictures import image_of
-from aras_visual_servo_study.report.plots import HEIGHT, LEFT, nice_ticks, plots_of, RIGHT, tick_text, WIDTH
+from aras_visual_servo_study.report.plots import HEIGHT, LEFT, nice_ticks, plots_of, SECOND, tick_text, WIDTH
+from aras_visual_servo_study.report.scales import scales_of
 
 
 def panel(record, name, **options):
@@ -40,7 +41,7 @@ def test_errors_are_drawn_over_time_in_the_colours_of_their_features(record):
     zero, *curves = axes.lines
     assert len(curves) == 4 and not np.any(zero.get_ydata())
     for curve, style, column in zip(curves, styles(record.feature_names), record.e[record.servo_rows].T):
-        np.testing.assert_array_equal(curve.get_ydata(), column)
+        np.testing.assert_array_equal(curve.get_ydata(), 1e3 * column)
         np.testing.assert_allclose(curve.get_xdata(), seconds(record))
         assert curve.get_color() == style.colour and curve.get_label() == style.mathtext
     assert axes.get_xlim() == (0.0, pytest.approx(seconds(record)[-1])) and axes.get_legend()
@@ -50,18 +51,58 @@ def test_all_six_velocities_are_drawn_and_told_apart(record):
     zero, *curves = panel(record, "velocity").lines
     assert len(curves) == 6 and len({(curve.get_color(), curve.get_linestyle()) for curve in curves}) == 6
     for curve, column in zip(curves, record.twist[record.servo_rows].T):
-        np.testing.assert_array_equal(curve.get_ydata(), column)
+        np.testing.assert_array_equal(curve.get_ydata(), 1e3 * column)
+
+
+@pytest.mark.parametrize("name, labels", [("errors", ("mm", "deg")), ("velocity", ("mm/s", "deg/s"))])
+def test_lengths_are_read_off_on_the_left_and_angles_on_the_right(record, name, labels):
+    figure = Figure()
+    axes = figure.add_subplot()
+    draw_panel(record, name, axes)
+    figure.draw_without_rendering()
+    [other] = axes.child_axes
+    assert axes.get_ylabel().endswith(f"[{labels[0]}]") and other.get_ylabel().endswith(f"[{labels[1]}]")
+    np.testing.assert_allclose(other.get_ylim(), np.degrees(1e-3 * np.array(axes.get_ylim())))
+    angle = plots_of(record)[0 if name == "errors" else 2]["data"]["series"][-1]
+    assert angle["factor"] == pytest.approx(180.0 / math.pi) and angle["unit"] == labels[1]
+
+
+@pytest.mark.parametrize("units, left, right", [
+    (("m", "rad"), (1e3, "[mm]"), "[deg]"), (("m", "-", "rad"), (1e3, "[mm], [10⁻³]"), "[deg]"),
+    (("-", "rad", "rad"), (1.0, "[-]"), "[deg]"), (("rad",), (180.0 / math.pi, "[deg]"), None),
+    (("grey",), (1.0, "[grey]"), None), ((), (1.0, ""), None)])
+def test_each_unit_has_one_scale(units, left, right):
+    first, second = scales_of(units)
+    assert first == left and (second and second.label) == right
+
+
+def test_panel_c_shows_both_differences_with_a_scale_in_grey_levels(record, monkeypatch):
+    drawn = []
+    monkeypatch.setattr(Figure, "savefig", lambda self, *_, **__: drawn.append(self))
+    save_figure(record, png_path="a.png")
+    start, end = drawn[0].axes[2:4]
+    for axes, name in ((start, "start"), (end, "difference")):
+        np.testing.assert_array_equal(axes.images[0].get_array(), image_of(record, name))
+        image = record.initial_image if name == "start" else record.final_image
+        grey = [one.astype(float).mean(axis=2) for one in (image, record.desired_image)]
+        largest = np.abs(grey[0] - grey[1]).max()
+        assert axes.get_xlabel() == f"largest: {largest:.0f} grey levels"
+    assert not start.child_axes and start.get_title().startswith("(c) ")
+    [bar] = end.child_axes
+    ramp = bar.images[0]
+    assert bar.get_ylim() == (-255, 255) == tuple(ramp.get_extent()[2:])
+    assert (ramp.get_array()[0], ramp.get_array()[-1]) == (0, 255) and ramp.origin == "lower"
 
 
 def test_the_path_leads_from_a_circle_to_the_star_within_a_cube(record):
     axes = panel(record, "path")
     way, start, goal = (np.array(line.get_data_3d()) for line in axes.lines)
-    p = record.X_WC[record.servo_rows, :3, 3]
+    p, there = 1e3 * record.X_WC[record.servo_rows, :3, 3], 1e3 * X_WCG[:3, 3]
     np.testing.assert_array_equal(way, p.T)
     np.testing.assert_array_equal(start[:, 0], p[0])
-    np.testing.assert_array_equal(goal[:, 0], X_WCG[:3, 3])
+    np.testing.assert_array_equal(goal[:, 0], there)
     limits = np.array([axes.get_xlim(), axes.get_ylim(), axes.get_zlim()])
-    points = np.vstack([p, X_WCG[:3, 3]])
+    points = np.vstack([p, there])
     np.testing.assert_allclose(limits.mean(axis=1), 0.5 * (points.max(axis=0) + points.min(axis=0)), atol=1e-12)
     widest = (points.max(axis=0) - points.min(axis=0)).max()
     np.testing.assert_allclose(limits[:, 1] - limits[:, 0], 1.08 * widest, rtol=1e-9)
@@ -136,7 +177,7 @@ def test_the_way_its_shadow_its_start_and_its_goal_are_where_they_are_seen_from_
     near(picture.polyline("shadow"), [picture.at([*p[:2], picture.low[2]]) for p in WAY])
     [start] = re.findall(f'<circle cx="{NUMBER}" cy="{NUMBER}"', picture.svg)
     near(np.array(start, dtype=float), picture.at(WAY[0]))
-    [star] = re.findall(f'<path d="M([^"]*)Z" fill="{GREEN}"/>', picture.svg)
+    [star] = re.findall(f'<path d="M([^"]*)Z" fill="{GREEN}" [^>]*/>', picture.svg)
     corners = np.array([one.split() for one in star.split("L")], dtype=float)
     near(corners.mean(axis=0), picture.at(GOAL))
     assert f'fill="{GREEN}"' not in Picture(WAY, None).svg
@@ -164,7 +205,7 @@ def test_curves_fill_the_frame_from_the_first_second_to_the_last_and_leave_a_mar
               for points in re.findall(r'<polyline class="curve"[^>]*points="([^"]*)"', plot["svg"])]
     assert len(curves) == 4
     for curve in curves:
-        assert (curve[0, 0], curve[-1, 0]) == (LEFT, WIDTH - RIGHT)
+        assert (curve[0, 0], curve[-1, 0]) == (LEFT, WIDTH - SECOND)
     heights = np.concatenate([curve[:, 1] for curve in curves])
     frame = np.array([plots.TOP, HEIGHT - plots.BOTTOM])
     margin = 0.06 / 1.12 * (frame[1] - frame[0])

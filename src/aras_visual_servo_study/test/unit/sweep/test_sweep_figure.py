@@ -33,7 +33,7 @@ def at(rows):
 def test_each_map_has_the_runs_it_speaks_of_and_a_cross_for_each_refused_start():
     refused = [one for one in ROWS if one["outcome"] == "infeasible"]
     tried = [one for one in ROWS if one["outcome"] != "infeasible"]
-    wanted = {"success rate": tried, "time to the end [s]": [one for one in tried if one["success"]],
+    wanted = {"success [%]": tried, "time to the end [s]": [one for one in tried if one["success"]],
               "final error [mm]": tried}
     panels = [axes for axes in make_figure("map", ROWS).axes if axes.get_title(loc="left")]
     assert len(panels) == 3
@@ -42,11 +42,12 @@ def test_each_map_has_the_runs_it_speaks_of_and_a_cross_for_each_refused_start()
         crosses, *_, dots = [one for one in panel.collections if len(one.get_offsets()) > 1]
         assert places(crosses) == at(refused) and places(dots) == at(rows)
         column = {"s": "success", "t": "duration_s", "f": "error_mm"}[title[0]]
-        np.testing.assert_allclose(sorted(dots.get_array()), sorted(one[column] for one in rows))
+        factor = 100.0 if column == "success" else 1.0
+        np.testing.assert_allclose(sorted(dots.get_array()), sorted(factor * one[column] for one in rows))
         (left, right), (low, high) = panel.get_xlim(), panel.get_ylim()
         assert left < 0.0 and right > 40.0 and low < -15.0 and high > 0.0
     assert "start refused" in panels[0].get_title(loc="left")
-    assert (panels[0].collections[-1].norm.vmin, panels[0].collections[-1].norm.vmax) == (0.0, 1.0)
+    assert (panels[0].collections[-1].norm.vmin, panels[0].collections[-1].norm.vmax) == (0.0, 100.0)
 
 
 def test_where_every_run_succeeds_there_is_no_map_of_it():
@@ -82,8 +83,8 @@ def test_the_curve_has_a_point_for_each_bin_and_metric_with_its_interval():
         (x,), (y,) = container[0].get_data()
         tried = [one for one in ROWS if one["outcome"] != "infeasible"]
         assert x == pytest.approx(np.mean([one["distance0_mm"] for one in tried]) + side * 0.006 * 120.0)
-        assert y == pytest.approx(np.mean([one["success"] for one in tried]))
-    assert panel.get_ylim() == pytest.approx((-0.03, 1.03))
+        assert y == pytest.approx(100.0 * np.mean([one["success"] for one in tried]))
+    assert panel.get_ylim() == pytest.approx((-3.0, 103.0))
 
 
 def test_reasons_are_counted_and_without_a_failure_it_is_said():
@@ -116,8 +117,8 @@ def test_without_a_success_no_time_is_told():
 
 
 @pytest.mark.parametrize("section, rows", [
-    ({"ranges": {"x_m": (-0.1, 0.25)}}, [("range of x_m", "-0.1 to 0.25")]),
-    ({"goal": {"tilt_rad": (0.0, 0.5)}}, [("goal, range of tilt_rad", "0 to 0.5")]),
+    ({"ranges": {"x_m": (-0.1, 0.25)}}, [("range of x", "-100 to 250 mm")]),
+    ({"goal": {"tilt_rad": (0.0, 0.5)}}, [("goal, range of tilt", "0 to 28.6479 deg")]),
     ({"perturb": {"noise_stddev": "[0, 2]"}}, [("perturbed: noise_stddev", "[0, 2]")])])
 def test_the_page_lists_what_a_sweep_varied(section, rows):
     settings = {"starts": 9, "method": "grid", "space": "camera", "seed": 4, "ranges": {}, "goal": {}, "perturb": {}}

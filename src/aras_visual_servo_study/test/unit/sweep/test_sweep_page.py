@@ -2,6 +2,7 @@
 gives that row's result."""
 
 import json
+import math
 import shlex
 
 import pytest
@@ -70,7 +71,10 @@ def test_the_command_of_a_clicked_dot_gives_the_result_of_its_row(browser, folde
     assert told["result"] == outcome and told["reason"] == row["reason"]
     for joint in ("J2", "gantry"):
         if row[f"start_{joint}"] is not None:
-            assert float(told[f"start, {joint}"].replace("−", "-")) == pytest.approx(row[f"start_{joint}"], abs=1e-4)
+            number, unit = told[f"start, {joint}"].replace("−", "-").split()
+            assert unit == ("mm" if joint == "gantry" else "deg")
+            read = 1e3 * row[f"start_{joint}"] if unit == "mm" else math.degrees(row[f"start_{joint}"])
+            assert float(number) == pytest.approx(read, abs=0.0051)
     if row["error_mm"] is not None:
         assert float(told["final error"].split()[0]) == pytest.approx(row["error_mm"], abs=1e-3)
     [command] = browser.value(f"[...document.querySelectorAll('.run code')].map({TEXT})")
@@ -106,7 +110,7 @@ def test_other_axes_move_the_dots_and_a_number_finds_a_run(browser, rows):
     browser.value("(() => { const axis = document.querySelector('select[data-axis=x]'); axis.value = 'start_J6'; "
                   "axis.onchange(); })()")
     assert browser.value(place) != before
-    assert "start_J6" in browser.value(f"[...document.querySelectorAll('.maps text')].map({TEXT})")
+    assert "start, J6 [deg]" in browser.value(f"[...document.querySelectorAll('.maps text')].map({TEXT})")
     browser.value(f"(() => {{ const number = document.querySelector('.domain input'); number.value = '{row['id']}'; "
                   "number.oninput(); })()")
     assert browser.value("document.querySelector('.run h3').textContent") == f"Run {row['id']}"

@@ -24,9 +24,9 @@ class CameraRetreat(Lesson):
     scene = ("The camera only has to turn by 15 degrees about its own axis. The law draws the four corners along "
              "straight lines to their places in the image.")
     question = "The turn becomes larger, or the law takes another interaction matrix. Where does the camera go?"
-    changes = {"turn by 60°": turned(60), "turn by 150°": turned(150),
-               "turn by 60°, matrix of the goal": turned(60, "desired"),
-               "turn by 60°, mean of both matrices": turned(60, "mean")}
+    changes = {"turn by 60 deg": turned(60), "turn by 150 deg": turned(150),
+               "turn by 60 deg, matrix of the goal": turned(60, "desired"),
+               "turn by 60 deg, mean of both matrices": turned(60, "mean")}
     answers = {"stays": "It stays within 1 cm of its height.",
                "away": "It goes away from the target by more than 1 cm, and comes back.",
                "nearer": "It comes nearer to the target by more than 1 cm, and goes back.",

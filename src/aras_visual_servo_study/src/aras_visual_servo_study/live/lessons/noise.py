@@ -1,5 +1,6 @@
 """Lesson: noise and averaging."""
 
+import math
 from typing import Tuple
 
 from aras_visual_servo import RunRecord
@@ -29,6 +30,6 @@ class Noise(Lesson):
         one, now = held_noise(first, "alpha"), held_noise(run, "alpha")
         means = {count: held_noise(run, "alpha", count) for count in AVERAGED}
         right = next((str(count) for count, found in means.items() if found <= 1.15 * one), "more")
-        listed = ", ".join(f"{1e3 * found:.2f} mrad for {count}" for count, found in means.items())
-        return right, (f"One image gave the angle alpha to {1e3 * one:.2f} mrad (standard deviation) in the first run, "
-                       f"and to {1e3 * now:.2f} mrad now. Means of several: {listed}.")
+        listed = ", ".join(f"{math.degrees(found):.4f} deg for {count}" for count, found in means.items())
+        return right, (f"One image gave the angle alpha to {math.degrees(one):.4f} deg (standard deviation) in the "
+                       f"first run, and to {math.degrees(now):.4f} deg now. Means of several: {listed}.")

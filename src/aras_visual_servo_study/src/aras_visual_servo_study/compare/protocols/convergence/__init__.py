@@ -5,7 +5,7 @@ from typing import Any, Dict, List, Tuple
 
 from aras_visual_servo import load_scenario
 from ..base import Case, Protocol, check_count, register_protocol
-from . import page
+from . import entries, page
 from .sets import SCENARIO, plan
 from .starts import planned
 
@@ -36,7 +36,7 @@ class ConvergenceMap(Protocol):
 
     def lines(self, case: Case, rows: List[Dict[str, Any]]) -> List[Tuple[Dict[str, Any], List[Dict[str, Any]]]]:
         strict = sum(row["strict"] == 1 for row in rows)
-        promised = page.certificate(page.map_of(rows)).words()
+        promised = entries.certificate(entries.map_of(rows)).words()
         return [({**case.columns, "all arrive within": promised, "strict": f"{strict} of {len(rows)}"}, rows)]
 
     def save_pictures(self, results: List[Tuple[Case, List[Dict[str, Any]]]], folder: Path) -> List[Path]:

@@ -42,6 +42,7 @@ class Set(NamedTuple):
         changes: {"section.key": value} of the scenario.
         laws: of the laws that take any features, those to map; None: all of them.  why: why the others are not mapped.
         coarse: factor on the thresholds, for measurements with noise.
+        of_area: whether areas of the image are measured (moments, kernels, grey levels); False: points and lines.
     """
 
     name: str
@@ -51,15 +52,20 @@ class Set(NamedTuple):
     laws: Optional[Tuple[str, ...]] = None
     why: str = ""
     coarse: float = 1.0
+    of_area: bool = False
 
 
 def _followed(name, label, *features, **more):
     return Set(name, label, features, {**_CORNERS, **more})
 
 
-def _poses(name, label, changes, coarse=1.0):
-    return [Set(f"pose_{name}", f"pose: {label}", _POSE, changes, (), coarse=coarse),
-            Set(f"reference_{name}", f"pose: {label}", _REFERENCE, changes, (), coarse=coarse)]
+def _area(name, label, *features, **changes):
+    return Set(name, label, features, changes, of_area=True)
+
+
+def _poses(name, label, changes, **more):
+    return [Set(f"pose_{name}", f"pose: {label}", _POSE, changes, (), **more),
+            Set(f"reference_{name}", f"pose: {label}", _REFERENCE, changes, (), **more)]
 
 
 _KEYPOINTS = {"sim.scene.models": [_PICTURE], "vision.matches": {"detector": "orb"}, "servo.source": "matches",
@@ -79,17 +85,17 @@ def _luminance(mapping):
                    "sim.scene.models": [_PICTURE], "servo.interaction": "desired",
                    "servo.photometric": {"damping": 0.01, "rest_m_per_s": 0.0005, "rest_rad_per_s": 0.001},
                    "vision.photometric": {"interaction": matrix, **levels, **({} if plain else {"mapping": mapping}),
-                                          "target_normal_C": [0.0, 0.0, 1.0]}}, ())
+                                          "target_normal_C": [0.0, 0.0, 1.0]}}, (), of_area=True)
 
 
 SETS = (
-    Set("moments_4", "moments, tilt held by the joints", ("xn", "yn", "an", "alpha"), {}),
-    Set("moments_s", "moments, tilt by sx, sy", ("xn", "yn", "an", "sx", "sy", "alpha"), {}),
-    Set("moments_p", "moments, tilt by px, py", ("xn", "yn", "an", "px", "py", "alpha"), {}),
-    Set("invariants", "moments, tilt by invariants", ("xn", "yn", "an", "c1", "c2", "alpha"), {}),
-    Set("ellipse", "centroid and second moments", ("xg", "yg", "n20", "n11", "n02", "sx", "sy"), {}),
-    Set("kernel", "kernel projections, tilt held", ("kx", "ky", "an", "alpha"),
-        {"vision.kernel": {"p": 1.0, "q": 1.0}}),
+    _area("moments_4", "moments, tilt held by the joints", "xn", "yn", "an", "alpha"),
+    _area("moments_s", "moments, tilt by sx, sy", "xn", "yn", "an", "sx", "sy", "alpha"),
+    _area("moments_p", "moments, tilt by px, py", "xn", "yn", "an", "px", "py", "alpha"),
+    _area("invariants", "moments, tilt by invariants", "xn", "yn", "an", "c1", "c2", "alpha"),
+    _area("ellipse", "centroid and second moments", "xg", "yg", "n20", "n11", "n02", "sx", "sy"),
+    _area("kernel", "kernel projections, tilt held", "kx", "ky", "an", "alpha",
+          **{"vision.kernel": {"p": 1.0, "q": 1.0}}),
     _followed("points", "six points", "points6"),
     _followed("segments", "two segments", "xm1", "ym1", "l1", "alpha1", "xm4", "ym4", "l4", "alpha4"),
     _followed("polar", "six points, polar", *(f"{axis}{n}" for n in range(1, 7) for axis in ("rho", "theta"))),
@@ -99,9 +105,9 @@ SETS = (
         ("vx1", "vy1", "vz1", "vx2", "vy2", "vz2", "x1", "y1", "x3", "y3"), _TAG),
     Set("sphere", "sphere moments, vanishing points of an AprilTag",
         ("is1", "is2", "is3", "is4", "vx1", "vy1", "vz1", "vx2", "vy2", "vz2"), _TAG),
-    *_poses("moments", "moments of a known target", {"servo.target_model": f"{_MODEL}l_shape.yaml"}),
+    *_poses("moments", "moments of a known target", {"servo.target_model": f"{_MODEL}l_shape.yaml"}, of_area=True),
     *_poses("points", "six points in the taught plane", {**_CORNERS, "servo.pose_from": "points"}),
-    *_poses("keypoints", "ORB keypoints of a picture", _KEYPOINTS, 10.0),
+    *_poses("keypoints", "ORB keypoints of a picture", _KEYPOINTS, coarse=10.0),
     *_poses("tag", "AprilTag", _TAG),
     Set("keypoints", "four points of ORB keypoints", ("points4",), _KEYPOINTS, ("ibvs",), _SLOW, 10.0),
     Set("tag", "four points of an AprilTag", ("points4",), _TAG, ("ibvs",), _SLOW),
