@@ -9,6 +9,8 @@ from ..ground.registry import one_of
 from .settings import DynamicsSettings
 
 PAYLOAD_LINK = "payload"
+#: Keys of the section that are attributes of <dynamics>; the last two are ours and no URDF's.
+FRICTION = ("damping", "friction", "static_friction", "stribeck_velocity")
 #: Types of controllers that drive one joint, by what they command.
 TYPES = {"JointPositionController": "effort_controllers/JointPositionController",
          "JointVelocityController": "effort_controllers/JointVelocityController"}
@@ -29,7 +31,7 @@ def with_dynamics(urdf_xml: str, dynamics: DynamicsSettings) -> str:
     joints = {joint.get("name", ""): joint for joint in robot.findall("joint")}
     links = [link.get("name", "") for link in robot.findall("link")]
     faults = [f"{key}.{name}: found an unknown joint, allowed {one_of(tuple(joints), name)}"
-              for key in ("damping", "friction", "loops") for name in getattr(dynamics, key) if name not in joints]
+              for key in (*FRICTION, "loops") for name in getattr(dynamics, key) if name not in joints]
     payload = dynamics.payload
     if payload is not None and payload.link not in links:
         faults.append(f"payload.link: found {payload.link}, allowed {one_of(tuple(links), payload.link)}")
@@ -37,9 +39,13 @@ def with_dynamics(urdf_xml: str, dynamics: DynamicsSettings) -> str:
         faults.append(f"payload: found a link {PAYLOAD_LINK} in the URDF, allowed a URDF without it")
     if faults:
         raise ParameterError(faults)
-    for key in ("damping", "friction"):
+    for key in FRICTION:
         for name, value in getattr(dynamics, key).items():
             _child(joints[name], "dynamics").set(key, repr(float(value)))
+    faults = [fault for name in {**dynamics.static_friction, **dynamics.stribeck_velocity}
+              for fault in _static_faults(name, _child(joints[name], "dynamics"))]
+    if faults:
+        raise ParameterError(faults)
     for each in (each for transmission in robot.findall("transmission") for each in transmission.findall("joint")):
         if each.get("name") in dynamics.loops:
             _child(each, "hardwareInterface").text = EFFORT
@@ -53,6 +59,16 @@ def with_dynamics(urdf_xml: str, dynamics: DynamicsSettings) -> str:
         ElementTree.SubElement(joint, "child", link=PAYLOAD_LINK)
         ElementTree.SubElement(joint, "origin", xyz=" ".join(repr(float(value)) for value in payload.position_m))
     return ElementTree.tostring(robot, encoding="unicode")
+
+
+def _static_faults(name: str, dynamics: ElementTree.Element) -> Iterator[str]:
+    friction, at_rest = (float(dynamics.get(key, 0.0)) for key in ("friction", "static_friction"))
+    if dynamics.get("static_friction") is None:
+        yield f"static_friction.{name}: found none, allowed beside stribeck_velocity.{name} a friction at rest"
+    elif dynamics.get("stribeck_velocity") is None:
+        yield f"stribeck_velocity.{name}: found none, allowed beside static_friction.{name} a speed"
+    elif at_rest < friction:
+        yield f"static_friction.{name}: found {at_rest:g}, allowed >= {friction:g}, the Coulomb friction"
 
 
 def with_loops(controllers: Mapping[str, Any], dynamics: DynamicsSettings) -> Dict[str, Any]:

@@ -107,6 +107,13 @@ class DynamicsSettings:
         help="Viscous friction by joint, in place of the URDF's.")
     friction: Dict[str, float] = setting(
         {}, unit="N, N m", at_least=0, by="joint", help="Coulomb friction by joint, in place of the URDF's.")
+    static_friction: Dict[str, float] = setting(
+        {}, unit="N, N m", at_least=0, by="joint",
+        help="Friction at rest by joint, at least the Coulomb friction. What it adds fades as "
+             "exp(-(speed / stribeck_velocity)^2).")
+    stribeck_velocity: Dict[str, float] = setting(
+        {}, unit="m/s, rad/s", above=0, by="joint",
+        help="Speed by joint over which static friction fades to Coulomb friction; required by static_friction.")
     loops: Dict[str, LoopSettings] = setting(
         {}, by="joint",
         help="Gains `{p:, i:, d:, i_clamp:}` by joint. An effort PID replaces the joint's controller, which commands "

@@ -4,7 +4,7 @@ import pathlib
 from collections.abc import Iterator, Mapping
 from typing import Any, Callable, List, Optional, Tuple
 
-from ..arm.dynamics import loop_faults, with_dynamics
+from ..arm.dynamics import FRICTION, loop_faults, with_dynamics
 from ..arm.robot import kinematics_of
 from ..arm.settings import DynamicsSettings
 from ..config.files import load_yaml, resolve_uri
@@ -91,7 +91,7 @@ def _dynamics_faults(dynamics: DynamicsSettings, value, base) -> Iterator[Fault]
         texts += loop_faults(load_yaml(resolve_uri(value("robot.controllers"), base)), dynamics)
         with_dynamics(resolve_uri(value("robot.urdf"), base).read_text(encoding="utf-8"), dynamics)
     except ParameterError as error:
-        texts += [fault for fault in error.faults if fault.startswith(("payload", "damping", "friction", "loops"))]
+        texts += [fault for fault in error.faults if fault.startswith(("payload", "loops", *FRICTION))]
     except (ArasError, OSError, ValueError, TypeError):
         pass
     yield from keyed(texts, ("robot", "dynamics"))

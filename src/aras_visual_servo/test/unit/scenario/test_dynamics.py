@@ -7,6 +7,7 @@ import pytest
 from aras_visual_servo import ParameterError, load_scenario, simulation_of
 
 SECTION = {"damping": {"iiwa_joint_2": 3.0}, "friction": {"iiwa_joint_2": 1.5},
+           "static_friction": {"iiwa_joint_2": 2.5}, "stribeck_velocity": {"iiwa_joint_2": 0.1},
            "loops": {"iiwa_joint_2": {"p": 900.0, "d": 40.0}},
            "payload": {"link": "iiwa_link_7", "mass_kg": 2.0, "position_m": [0.0, 0.0, 0.1]}}
 
@@ -18,14 +19,15 @@ def test_the_robot_gets_friction_payload_and_loops():
     joint = next(each for each in ElementTree.fromstring(scenario.urdf_xml()).iter("joint")
                  if each.get("name") == "iiwa_joint_2")
     found = {key: float(value) for key, value in joint.find("dynamics").attrib.items()}
-    assert found == {"damping": 3.0, "friction": 1.5}
+    assert found == {"damping": 3.0, "friction": 1.5, "static_friction": 2.5, "stribeck_velocity": 0.1}
     assert scenario.controllers()["iiwa_joint_2_position_controller"] == {
         "type": "effort_controllers/JointPositionController", "joint": "iiwa_joint_2",
         "pid": {"p": 900.0, "i": 0.0, "d": 40.0, "i_clamp": 0.0}}
     sag = []
     for mass in (1e-9, 2.0):
         sim = simulation_of(scenario.with_overrides({"robot.dynamics.payload.mass_kg": mass,
-                                                     "robot.dynamics.friction": {}}))
+                                                     **{f"robot.dynamics.{key}": {} for key in (
+                                                         "friction", "static_friction", "stribeck_velocity")}}))
         before = np.array(sim.joint_positions)
         sim.step(3000)
         sag.append((np.array(sim.joint_positions) - before)[list(sim.joint_names).index("iiwa_joint_2")])
@@ -42,5 +44,10 @@ def test_what_the_robot_lacks_is_named_with_its_key():
         assert key in text
     with pytest.raises(ParameterError, match="robot.dynamics.payload.link: found hand"):
         load_scenario("iiwa7").with_overrides({"robot.dynamics": {"payload": {**SECTION["payload"], "link": "hand"}}})
+    for section, key in (({"static_friction": {"iiwa_joint_1": 1.0}}, "stribeck_velocity.iiwa_joint_1"),
+                         ({"stribeck_velocity": {"iiwa_joint_1": 1.0}}, "static_friction.iiwa_joint_1"),
+                         ({**SECTION, "static_friction": {"iiwa_joint_2": 1.0}}, "static_friction.iiwa_joint_2")):
+        with pytest.raises(ParameterError, match="robot.dynamics." + key):
+            load_scenario("iiwa7").with_overrides({"robot.dynamics": section})
     with pytest.raises(ParameterError, match="robot.dynamics.loops.world_joint"):
         load_scenario("iiwa7").with_overrides({"robot.dynamics": {"loops": {"world_joint": {"p": 1.0}}}})

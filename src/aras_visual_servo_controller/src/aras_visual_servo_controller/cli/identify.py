@@ -1,6 +1,7 @@
 """The verb `identify`: the arm that a bag shows, as a robot that scenarios extend; and a motion that tells more."""
 
 import json
+import math
 import os
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
@@ -14,15 +15,17 @@ from aras_visual_servo.spatial import inverse
 from ..bags.any_bag import AnyBag
 from ..bags.joint_log import JointLog, read_joint_log
 from ..calibration.boards import KINDS, Board
-from ..identification.estimates import Identified
+from ..identification.estimates import Estimate, Identified
 
 #: Positions may be beyond the limits of the URDF by this. [m or rad]
 BEYOND = 0.1
 OVERLAY, PAGE, NUMBERS, MOTION = "robot.identified.yaml", "identified.html", "identified.json", "excite.yaml"
 CAMERA = "camera.yaml"
+#: End of the names of the loops' bandwidths (-3 dB).
+BANDWIDTH = ".bandwidth"
 
-NOT_CONVERGED = ("the fit did not converge: the values have no intervals. Record a longer motion, or start from a "
-                 "model that is nearer to the arm.")
+NOT_CONVERGED = ("the fit of the joints did not converge: its values have no intervals. Record a longer motion, or "
+                 "start from a model that is nearer to the arm.")
 
 
 def _options(parser: ArgumentParser) -> None:
@@ -82,9 +85,7 @@ def _identified(arguments: Namespace, scenario: Scenario) -> Dict[str, str]:
         found = Identified({**found.estimates, **seen.identified.estimates}, found.unknown + seen.identified.unknown,
                            found.residual)
         print(f"corners, root mean square error: {seen.residual_px:.2g} px, held-out part {seen.held_out_px:.2g} px")
-    rows = [{"name": name, "value": f"{each.value:.5g}", "unit": each.unit,
-             "interval": "{:.5g} to {:.5g}".format(*each.interval) if twin.converged else "unknown"}
-            for name, each in found.estimates.items()]
+    rows = _rows({**found.estimates, **{name + BANDWIDTH: each for name, each in twin.bandwidth.items()}})
     unknown = [{"name": each.name, "others": ", ".join(each.not_apart_from), "motion": each.motion}
                for each in found.unknown]
     for row in rows:
@@ -100,8 +101,9 @@ def _identified(arguments: Namespace, scenario: Scenario) -> Dict[str, str]:
     numbers = {"robot": arguments.robot, "bag": arguments.bag, "held_out": held, "residual": found.residual,
                "converged": twin.converged,
                "estimates": {name: {"value": each.value, "unit": each.unit, **(
-                   {"stddev": each.stddev, "interval": each.interval} if twin.converged else {})}
+                   {"stddev": each.stddev, "interval": each.interval} if math.isfinite(each.stddev) else {})}
                    for name, each in found.estimates.items()},
+               "bandwidth_hz": {name: each.value for name, each in twin.bandwidth.items()},
                "unknown": [{"name": each.name, "not_apart_from": each.not_apart_from, "motion": each.motion}
                            for each in found.unknown],
                "covariance": {"names": twin.names, "matrix": twin.covariance.tolist()} if twin.converged else None}
@@ -114,8 +116,19 @@ def _identified(arguments: Namespace, scenario: Scenario) -> Dict[str, str]:
         numbers["corners_px"] = {"residual": seen.residual_px, "held_out": seen.held_out_px}
         section = _with_images(arguments, scenario, section, seen)
         made[CAMERA] = seen.camera.as_yaml()
-    return {OVERLAY: _overlay(arguments, scenario, section, [row["name"] for row in unknown]), PAGE: page,
+    remarks = [f"The bag does not tell {', '.join(row['name'] for row in unknown)}."] if unknown else []
+    if twin.bandwidth:
+        remarks.append("Bandwidth of the loops (-3 dB): "
+                       + ", ".join(f"{name} {each.value:.3g} Hz" for name, each in twin.bandwidth.items()) + ".")
+    return {OVERLAY: _overlay(arguments, scenario, section, remarks), PAGE: page,
             NUMBERS: json.dumps(numbers, indent=1) + "\n", **made}
+
+
+def _rows(estimates: Dict[str, Estimate]) -> List[Dict[str, str]]:
+    """Rows of the table. Estimates of a fit that did not converge have no interval; those of other fits have theirs."""
+    return [{"name": name, "value": f"{each.value:.5g}", "unit": each.unit,
+             "interval": "{:.5g} to {:.5g}".format(*each.interval) if math.isfinite(each.stddev) else "unknown"}
+            for name, each in estimates.items()]
 
 
 def _seen(arguments: Namespace, scenario: Scenario, recording: Any) -> Any:
@@ -153,15 +166,13 @@ def _with_images(arguments: Namespace, scenario: Scenario, section: Dict[str, An
     return section
 
 
-def _overlay(arguments: Namespace, scenario: Scenario, section: Dict[str, Any], unknown: List[str]) -> str:
+def _overlay(arguments: Namespace, scenario: Scenario, section: Dict[str, Any], remarks: List[str]) -> str:
     base = arguments.robot
     if os.sep in base:
         base = os.path.relpath(base, arguments.out)
         base = base if os.sep in base else os.path.join(os.curdir, base)
     lines = [f"# {scenario.name} as {Path(arguments.bag).name} shows it. Put it under any scenario:",
-             f"#   extends: [{OVERLAY}, SCENARIO]"]
-    if unknown:
-        lines.append(f"# The bag does not tell {', '.join(unknown)}.")
+             f"#   extends: [{OVERLAY}, SCENARIO]", *(f"# {remark}" for remark in remarks)]
     document = {"name": f"{scenario.name}_identified", "description": f"{scenario.name}, identified from a bag.",
                 "extends": base, **{key: value for key, value in section.items() if value}}
     return "\n".join(lines) + "\n" + yaml.safe_dump(document, sort_keys=False)

@@ -14,6 +14,8 @@ def motion_for(name: str, payload_link: Optional[str] = None) -> str:
                 "different levers")
     if key in ("damping", "friction"):
         return f"move {joint} alone, both ways over more than {LEAST_SPAN} m or rad, at a slow and a fast speed"
+    if key in ("stribeck", "stribeck_velocity"):
+        return f"move {joint} alone from rest, very slowly, and turn back often: static friction acts at low speeds"
     if key in ("p", "i", "d", "i_clamp"):
         return f"command {joint} in fast motions both ways, so that it lags visibly behind its commands"
     if key == "gravity_scale":

@@ -9,7 +9,9 @@ from ..calibration.boards import Board
 from ..calibration.camera import MODELS, CameraCalibration
 from ..bags.any_bag import AnyBag, stamp_s
 
-IMAGE, INFO = "sensor_msgs/Image", "sensor_msgs/CameraInfo"
+IMAGE, COMPRESSED, INFO = "sensor_msgs/Image", "sensor_msgs/CompressedImage", "sensor_msgs/CameraInfo"
+#: End of the topics of compressed images, as image_transport names them beside those of the images.
+COMPRESSED_END = "/compressed"
 #: Images in which the board is looked for, at most; they are spread over the bag.
 MOST_IMAGES = 150
 
@@ -18,17 +20,18 @@ def read_board_views(bag: AnyBag, board: Board, topic: Optional[str] = None) -> 
     """Returns (camera as camera_info has it, (f,) stamps [s], (f, n, 2) pixels) of the images in which the board is.
 
     Args: topic: of the images, where the bag has several.
-    Raises: ParameterError: no or several topics of images, no usable camera_info beside them, the board in none.
+    Raises: ParameterError: no or several topics of images, no usable camera_info beside them, the board in none, a
+    compressed image that cannot be read.
     """
     types = bag.types
-    images = sorted(name for name, kind in types.items() if kind == IMAGE)
+    images = sorted(name for name, kind in types.items() if kind in (IMAGE, COMPRESSED))
     if topic is not None and topic not in images:
         raise ParameterError(f"--images: found {topic}, allowed {', '.join(images) or 'a bag with images'}")
     if topic is None and len(images) != 1:
         raise ParameterError(f"bag '{bag.name}': found images on {', '.join(images) or 'no topic'}, allowed one topic"
                              + (": choose it with --images TOPIC" if images else ""))
     topic = topic or images[0]
-    beside = topic.rpartition("/")[0] + "/camera_info"
+    beside = topic.removesuffix(COMPRESSED_END).rpartition("/")[0] + "/camera_info"
     if types.get(beside) != INFO:
         raise ParameterError(f"bag '{bag.name}': {beside}: found none beside {topic}, allowed the camera_info of the "
                              "images: record it, too")
@@ -37,7 +40,7 @@ def read_board_views(bag: AnyBag, board: Board, topic: Optional[str] = None) -> 
     chosen = set(np.unique(np.linspace(0, count - 1, min(count, MOST_IMAGES)).round().astype(int)).tolist())
     stamps, pixels = [], []
     for k, (_, message, _) in enumerate(bag.messages([topic])):
-        view = board.find(image_of(message)) if k in chosen else None
+        view = board.find(_image(message, types[topic], f"bag '{bag.name}': {topic}")) if k in chosen else None
         if view is not None:
             stamps.append(stamp_s(message))
             pixels.append(view)
@@ -45,6 +48,18 @@ def read_board_views(bag: AnyBag, board: Board, topic: Optional[str] = None) -> 
         raise ParameterError(f"bag '{bag.name}': {topic}: found the board in none of {len(chosen)} images, allowed one "
                              f"of {board.columns} columns and {board.rows} rows, wholly in view")
     return camera, np.array(stamps), np.array(pixels)
+
+
+def _image(message: Any, kind: str, where: str) -> np.ndarray:
+    """(h, w) or (h, w, 3), uint8, of an Image or a CompressedImage. Raises ParameterError: no JPEG or PNG file."""
+    if kind == IMAGE:
+        return image_of(message)
+    import cv2
+    image = cv2.imdecode(np.frombuffer(message.data, dtype=np.uint8), cv2.IMREAD_GRAYSCALE)
+    if image is None:
+        raise ParameterError(f"{where}: found an image of format '{message.format}' that OpenCV cannot read, allowed "
+                             "JPEG and PNG files")
+    return image
 
 
 def _camera(message: Any, where: str) -> CameraCalibration:

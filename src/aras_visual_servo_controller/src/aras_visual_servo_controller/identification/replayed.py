@@ -30,6 +30,10 @@ LEVER_M = 0.1
 FARTHEST_M = 10.0
 #: End of the name of what is fitted too and is not the robot's: where a joint's set point was at first.
 START = ".start"
+#: Ends of the names of what static friction adds to Coulomb friction, and of the speed over which it fades.
+STRIBECK, FADES = ".stribeck", ".stribeck_velocity"
+#: That speed is at least this part of the one it starts from.
+LEAST_FADES = 0.05
 EARTH = (0.0, 0.0, -9.81)
 PID = ("p", "i", "d")
 
@@ -76,16 +80,20 @@ class ReplayedRobot:
 
     Attributes:
         parameters: k `Parameter`.  names: m joints of the recording.  period_s: of the simulation.
+        velocity_loops: joints whose controllers control velocity.
         start_s: stamp of the first command.
         used: rows of the recording that are compared.  fit: those of them that are fitted.  first: those at the
         beginning.
+    Args: stribeck: speeds [m/s or rad/s] over which static friction fades, of the joints that have it beside Coulomb
+    friction; those of the model have it, too.
     Raises: ParameterError: what `identify_twin` says.
     """
 
-    def __init__(self, recording: Recording, scenario: Scenario, payload_link: Optional[str] = None) -> None:
+    def __init__(self, recording: Recording, scenario: Scenario, payload_link: Optional[str] = None,
+                 stribeck: Optional[Dict[str, float]] = None) -> None:
         self.names, self._link = recording.joint_names, payload_link
         scenario = with_default_loops(scenario)
-        self._recording = recording
+        self._recording, self._stribeck = recording, stribeck or {}
         # Cameras and the scene take time and move no joint.
         self._scenario = replace(scenario, sim={**{key: value for key, value in scenario.sim.items()
                                                    if key not in ("scene", "contacts", DELAY)}, "cameras": []})
@@ -97,6 +105,9 @@ class ReplayedRobot:
         self._placed = [section["joint"] for section in scenario.controllers().values() if isinstance(section, dict)
                         and section.get("joint") in self.names and section["type"].endswith("JointPositionController")
                         ] if recording.commands is not None and recording.commands.kind == "velocity" else []
+        self.velocity_loops = {section["joint"] for section in scenario.controllers().values()
+                               if isinstance(section, dict) and "joint" in section
+                               and section["type"].endswith("JointVelocityController")}
         urdf = ElementTree.fromstring(scenario.urdf_xml())
         faults = self._faults(recording, urdf)
         if faults:
@@ -109,6 +120,9 @@ class ReplayedRobot:
         self.first = self.fit[:max(int(FIRST_S / recording.period_s), FEWEST_SAMPLES)]
         before = recording.times_s <= stamps[0]
         self._rest = recording.position[before].mean(axis=0) if np.any(before) else recording.position[0]
+        self._limits = {joint.get("name"): [float(limit.get(key, 0.0)) for key in ("lower", "upper")]
+                        for joint in urdf.findall("joint") for limit in joint.findall("limit")
+                        if joint.get("type") in ("revolute", "prismatic")}
         self.parameters = self._parameters(urdf)
 
     def _faults(self, recording, urdf):
@@ -147,6 +161,11 @@ class ReplayedRobot:
                                 max(0.05 * effort / speed, 0.2 * float(self._loops[name].get("d", 0.0)), damping)),
                       Parameter(f"{name}.friction", "N" if prismatic else "N m", friction,
                                 max(0.05 * effort, friction))]
+            static, fades = (float(dynamics.get(key, 0.0)) for key in ("static_friction", "stribeck_velocity"))
+            if static or name in self._stribeck:
+                fades = fades or self._stribeck[name]
+                found += [Parameter(name + STRIBECK, found[-1].unit, max(static - friction, 0.0), found[-1].range),
+                          Parameter(name + FADES, "m/s" if prismatic else "rad/s", fades, fades, LEAST_FADES * fades)]
             gains = {key: float(self._loops[name][key]) for key in PID if self._loops[name].get(key)}
             found += [Parameter(f"{name}.{key}", "1", gain, gain, LEAST_GAIN * gain) for key, gain in gains.items()]
         found += [Parameter(GRAVITY, "1", 1.0, 0.3), Parameter(DELAY, "s", 0.0, 0.05, -0.05)]
@@ -170,6 +189,9 @@ class ReplayedRobot:
                  for name, pid in self._loops.items() if any(f"{name}.{key}" in values for key in PID)}
         dynamics: Dict[str, Any] = {key: {name: values[f"{name}.{key}"] for name in self.names
                                           if f"{name}.{key}" in values} for key in ("damping", "friction")}
+        dynamics["static_friction"] = {name: values[f"{name}.friction"] + values[name + STRIBECK] for name in self.names
+                                       if name + STRIBECK in values}
+        dynamics["stribeck_velocity"] = {name: values[name + FADES] for name in dynamics["static_friction"]}
         dynamics["loops"] = loops
         if PAYLOAD[0] in values:
             mass = values[PAYLOAD[0]]
@@ -181,17 +203,28 @@ class ReplayedRobot:
             section["sim"]["gravity_m_s2"] = (values[GRAVITY] * self._gravity).tolist()
         return section
 
-    def replay(self, x: np.ndarray, rows: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-        """Positions and velocities, (k, m) each, at the stamps of these rows, with these values of the parameters."""
+    def _values(self, x: np.ndarray) -> Dict[str, float]:
+        """Values by name; a trial step may put a set point beyond the joint's limits, where no joint begins."""
         values = {each.name: float(value) for each, value in zip(self.parameters, x)}
+        values.update({name + START: float(np.clip(values[name + START], *limits))
+                       for name, limits in self._limits.items() if name + START in values})
+        return values
+
+    def as_scenario(self, x: np.ndarray) -> Scenario:
+        """The scenario without cameras, with these values of the parameters."""
+        values = self._values(x)
         section = self.overlay(values)
-        scenario = replace(self._scenario, robot={**self._scenario.robot, "dynamics": {
+        return replace(self._scenario, robot={**self._scenario.robot, "dynamics": {
             **(self._scenario.robot.get("dynamics") or {}), **section["robot"]["dynamics"]}},
             sim={**self._scenario.sim, **section["sim"],
                  "initial_positions": {**self._scenario.sim.get("initial_positions", {}),
                                        **{name: values.get(name + START, rest)
                                           for name, rest in zip(self.names, self._rest.tolist())}}})
-        sim = simulation_of(scenario)
+
+    def replay(self, x: np.ndarray, rows: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+        """Positions and velocities, (k, m) each, at the stamps of these rows, with these values of the parameters."""
+        values = self._values(x)
+        sim = simulation_of(self.as_scenario(x))
         if self._order is None:
             there = list(sim.joint_names)
             self._order = [there.index(name) for name in self.names]
@@ -202,11 +235,12 @@ class ReplayedRobot:
         commands = self._recording.commands
         told = np.round((commands.times_s - self.start_s) / period).astype(int)
         wanted = (self._recording.times_s[rows] - self.start_s - values[DELAY]) / period
-        asked = np.maximum(np.round(wanted).astype(int), 0)
-        q, v = np.empty((2, len(rows), len(self.names)))
+        asked = np.maximum(np.floor(wanted).astype(int), 0)
+        ticks = np.union1d(asked, asked + 1)
+        q, v = np.empty((2, len(ticks), len(self.names)))
         # A command acts from the step after its stamp. At one tick the state is read first.
-        events = sorted([(tick, 0, k) for k, tick in enumerate(asked.tolist())] +
-                        [(tick, 1, i) for i, tick in enumerate(told.tolist()) if tick <= asked[-1]])
+        events = sorted([(tick, 0, k) for k, tick in enumerate(ticks.tolist())] +
+                        [(tick, 1, i) for i, tick in enumerate(told.tolist()) if tick <= ticks[-1]])
         at = 0
         for tick, is_command, i in events:
             sim.step(tick - at)
@@ -215,7 +249,11 @@ class ReplayedRobot:
                 sim.set_command(**{commands.kind: dict(zip(self.names, commands.values[i].tolist()))})
             else:
                 q[i], v[i] = sim.joint_positions[self._order], sim.joint_velocities[self._order]
-        return q + v * ((wanted - asked) * period)[:, None], v
+        # Between two ticks both are straight. Otherwise velocities would jump with the delay, and so would the cost.
+        before = np.searchsorted(ticks, asked)
+        part = np.maximum(wanted - asked, 0.0)[:, None]
+        at_stamps = [each[before] + part * (each[before + 1] - each[before]) for each in (q, v)]
+        return at_stamps[0], at_stamps[1]
 
     def residual(self, x: np.ndarray, rows: np.ndarray, weights: np.ndarray) -> np.ndarray:
         """(channels, n) of weighted differences: of all positions, then of velocities if there are weights for them."""

@@ -7,30 +7,31 @@ loops keep the errors bounded, so that one simulation goes from the first comman
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Any, Dict, Optional, Tuple
+from typing import Any, Callable, Dict, Iterable, List, Optional, Set, Tuple
 
 import numpy as np
 
 from aras_visual_servo import Scenario
 from .advice import motion_for
+from .bandwidth import bandwidths
 from .estimates import HALF_95, Estimate, Identified, Unknown, covariance, not_told, separable
-from .loops import add_state_delay
+from .loops import STATE_DELAY, add_state_delay
 from .profile import Profile, profile
 from .recording import Recording
-from .replayed import DELAY, START, ReplayedRobot
+from .replayed import DELAY, FADES, PAYLOAD, PID, START, STRIBECK, ReplayedRobot
 
 #: Longest delay of a command that is searched, and the steps of the search. [s]
 LONGEST_DELAY_S, DELAY_STEP_S = 0.4, 0.004
-#: Steps of the delay that are tried in every round. [s]
-DELAY_STEPS_S = (-0.01, -0.003, -0.001, 0.001, 0.003, 0.01)
 #: Differences of parameters for derivatives, as parts of their ranges.
 STEP = 1e-3
 #: The fit is held near the model by a prior of this many ranges; it matters only where the recording tells nothing.
 PRIOR_RANGES = 10.0
 #: Most iterations with a first part of the recording, and with all of it.
-FIRST_ROUNDS, ROUNDS = 20, 12
+FIRST_ROUNDS, ROUNDS = 20, 20
 #: Longest step of a parameter in ranges, and trials of shorter ones.
 MOST_STEP, TRIALS = 2.0, 8
+#: Longest step of the logarithm of a gain.
+MOST_SCALING = 1.0
 #: Iterations end when the cost, a sum of squares of variance 1, falls by less than this; with the first part of the
 #: recording, by less than this for each sample.
 SETTLED, ENOUGH = 0.1, 0.01
@@ -40,10 +41,25 @@ LEAST_NOISE = 0.2
 #: farthest direction. Set points that jump leave ripples of about half of it.
 CONVERGED = 1.0
 #: And if it leaves less than this many times the noise, and of the held-out part less than this many times what it
-#: leaves of the rest: otherwise the model is wrong, or the minimum.
+#: leaves of the rest and what the uncertainty of the parameters predicts: otherwise the model is wrong, or the minimum.
 EXPLAINED = 3.0
 #: Fits are tried so often; the next one begins where the profile of the cost found a lower one.
 ATTEMPTS = 3
+#: Static friction is looked for with these parts of the joint's highest speed as the one over which it fades, and with
+#: this difference for its derivative, in ranges.
+FADING_PARTS, STRIBECK_STEP = (0.02, 0.1), 0.02
+#: It is fitted if the cost would fall by more than this in the score test of a joint, and kept if it falls by more for
+#: each of them: the likelihood ratio of two parameters has less in 999 of 1000 cases.
+SEEN, KEPT = 20.0, 13.8
+#: And if it is more than this many of its standard deviations.
+SIGNIFICANT = 4.0
+#: Static friction is not told where its interval is wider than Coulomb friction and than this part of its range.
+STRIBECK_TOLD = 0.1
+#: A fit that leaves more than EXPLAINED times the noise begins anew, with the model's gains and the payload's mass
+#: multiplied by these; the lowest cost counts.
+STARTS = ((1.0, 1.0), (1.0, 0.2), (3.0, 1.0))
+#: A joint moved both ways if the shorter way is more than this many times the noise of its positions.
+BOTH_WAYS = 20.0
 #: Residuals may be correlated over this many samples.
 LAGS = 3
 #: Parameters that correlate more than this cannot be told apart.
@@ -59,6 +75,7 @@ class Twin:
         names: k parameters that were fitted.  covariance: (k, k) of these, in their units.
         converged: whether the fit reached a minimum that explains the recording. If not, the standard deviations are
         infinite.
+        bandwidth: of each joint's loop, by joint [Hz].
         overlay: the part of a scenario that makes it this robot.
         times_s: (k,) stamps of the joint states that were compared, from the first command on.
         measured, simulated: (k, m) positions [m or rad].  fitted: number of samples that were fitted; the others are
@@ -69,6 +86,7 @@ class Twin:
     names: Tuple[str, ...]
     covariance: np.ndarray
     converged: bool
+    bandwidth: Dict[str, Estimate]
     overlay: Dict[str, Any]
     joint_names: Tuple[str, ...]
     times_s: np.ndarray
@@ -89,14 +107,49 @@ def identify_twin(recording: Recording, scenario: Scenario, payload_link: Option
 
     The names are `JOINT.damping`, `JOINT.friction` and gains `JOINT.p`, `.i`, `.d` of each joint with a PID loop,
     `gravity_scale`, `command_delay_s`, and with a payload_link `payload.mass` [kg] and `payload.first_x`, y, z [kg m]:
-    mass times position of a point mass in the frame of that link.
+    mass times position of a point mass in the frame of that link. A joint of the model with static friction, and one
+    whose static friction the recording shows, has `JOINT.stribeck`, static minus Coulomb friction, and
+    `JOINT.stribeck_velocity`.
 
     Args: scenario: with the model of the robot and its controllers.  threads: that simulate at the same time.
     Raises: ParameterError: no commands, too short, other joints than the robot's, no PID loop, no motion.
     """
+    found: List[Tuple[float, _Fit, np.ndarray, List[str]]] = []
     with ThreadPoolExecutor(threads) as pool:
-        fit = _Fit(recording, ReplayedRobot(recording, scenario, payload_link), pool)
-        return fit.twin(fit.minimum(), payload_link)
+        for gains, mass in STARTS:
+            fit, x, untold = _fitted(recording, scenario, payload_link, pool, gains, mass)
+            found.append((fit.cost(x), fit, x, untold))
+            if fit.cost(x) < EXPLAINED**2 * fit.samples:
+                break
+        _, fit, x, untold = min(found, key=lambda each: each[0])
+        return fit.twin(x, payload_link, untold)
+
+
+def _fitted(recording: Recording, scenario: Scenario, payload_link: Optional[str], pool: ThreadPoolExecutor,
+            gains: float, mass: float) -> Tuple["_Fit", np.ndarray, List[str]]:
+    """(fit, values that fit best, joints of whose static friction the recording tells nothing) from one start."""
+    speeds: Dict[str, float] = {}
+
+    def fit_of(more: Dict[str, float]) -> _Fit:
+        return _Fit(recording, ReplayedRobot(recording, scenario, payload_link, {**speeds, **more}), pool)
+    fit = fit_of({})
+    x = fit.minimum(gains, mass)
+    while True:
+        # That of one joint may hide that of another.
+        seen, untold = fit.static_friction(x, fit_of)
+        wider, lower, weak = fit, x, set(seen)
+        while weak and seen:
+            wider = fit_of(seen)
+            lower = wider.from_other(fit, x)
+            weak = wider.weak(lower, seen)
+            seen = {name: speed for name, speed in seen.items() if name not in weak}
+        if not seen:
+            return fit, x, untold
+        # The minima of both models are compared, not a minimum with the place at which a fit has stopped.
+        x = min(x, fit.from_other(wider, lower), key=fit.cost)
+        if fit.cost(x) - wider.cost(lower) < KEPT * len(seen) * fit.cost(x) / fit.samples:
+            return fit, x, untold
+        fit, x, speeds = wider, lower, {**speeds, **seen}
 
 
 class _Fit:
@@ -106,22 +159,94 @@ class _Fit:
                                                   for key in ("start", "range", "least"))
         self._names = [each.name for each in robot.parameters]
         self._delay = self._names.index(DELAY)
+        self._loops = [(self._names.index(f"{joint}.p"), [
+            i for i, name in enumerate(self._names)
+            if name.rpartition(".")[0] == joint and not name.endswith((START, FADES))])
+            for joint in robot.names if f"{joint}.p" in self._names]
         # Of the noise, not of the residual: a joint that fits badly would lose its weight, and stay so.
         measured = (recording.position,) if recording.velocity is None else (recording.position, recording.velocity)
         self._weights = 1.0 / np.concatenate([_noise(each[robot.used]) for each in measured])
 
-    def minimum(self):
-        """Values that fit best.
+    def minimum(self, gains: float, mass: float) -> np.ndarray:
+        """Values that fit best. Args: gains, mass: factors on the model's gains and on the payload's mass at the start.
 
         First of positions alone: far from the solution velocities ripple between two set points, and have many minima.
         At first the joints weigh by their residuals, which is fast. That may end where one joint fits badly.
         """
         joints = len(self._robot.names)
         x = self._start.copy()
+        x[[i for _, group in self._loops for i in group if self._names[i].rpartition(".")[2] in PID]] *= gains
+        x[[i for i, name in enumerate(self._names) if name == PAYLOAD[0]]] *= mass
         x[self._delay] = self._first_delay(x)
         x = self._descend(x, self._robot.first, None, FIRST_ROUNDS, 1e-2)
         x = self._descend(x, self._robot.first, self._weights[:joints], FIRST_ROUNDS, 1e-4)
         return self._descend(x, self._robot.fit, self._weights, ROUNDS, 1e-6)
+
+    @property
+    def samples(self) -> int:
+        """Number of residuals."""
+        return len(self._weights) * len(self._robot.fit)
+
+    def cost(self, x: np.ndarray) -> float:
+        """Sum of the squares of the residuals, by the noise."""
+        return float(np.sum(self._robot.residual(x, self._robot.fit, self._weights)**2))
+
+    def from_other(self, other: "_Fit", x: np.ndarray) -> np.ndarray:
+        """Values that fit best, from those of a fit with other parameters."""
+        theirs = dict(zip(other._names, x))
+        begin = np.array([theirs.get(name, value) for name, value in zip(self._names, self._start)])
+        new = [i for i, name in enumerate(self._names) if name.endswith(STRIBECK) and name not in theirs]
+        begin[new] = STRIBECK_STEP * self._ranges[new]
+        return self._descend(begin, self._robot.fit, self._weights, ROUNDS, 1e-4)
+
+    def static_friction(self, x: np.ndarray, fit_of: Callable[[Dict[str, float]], "_Fit"]
+                        ) -> Tuple[Dict[str, float], List[str]]:
+        """(speeds by name of the joints whose static friction the recording shows, joints of which it cannot tell).
+
+        The score test (Rao, Proc. Cambridge Philosophical Society 44(1), 1948): the fall of the cost that the
+        derivatives by static friction predict beside those by all other parameters.
+        """
+        robot, rows = self._robot, self._robot.fit
+        now = robot.residual(x, rows, self._weights)
+        weights, now = self._weights / np.sqrt(np.mean(now**2)), now / np.sqrt(np.mean(now**2))
+        fitted = np.linalg.qr(self.jacobian(x, rows, weights, now).reshape(-1, len(x)))[0]
+        position = self._recording.position[robot.used]
+        top = np.max(np.abs(np.gradient(position, self._recording.period_s, axis=0)), axis=0)
+        asked = {name: float(speed) for name, speed in zip(robot.names, top)
+                 if name + ".p" in self._names and name + STRIBECK not in self._names and speed > 0.0}
+        seen: Dict[str, Tuple[float, float]] = {}
+        told: Set[str] = set()
+        for part in FADING_PARTS:
+            speeds = {name: part * speed for name, speed in asked.items()}
+            wider = fit_of(speeds)
+            begin = wider._start.copy()
+            begin[[wider._names.index(name) for name in self._names]] = x
+            begin[[wider._names.index(name + STRIBECK) for name in asked]] = 0.0
+
+            def column(name: str) -> np.ndarray:
+                moved = begin.copy()
+                i = wider._names.index(name + STRIBECK)
+                moved[i] += STRIBECK_STEP * wider._ranges[i]
+                change: np.ndarray = (wider._robot.residual(moved, rows, weights) - now).ravel() / STRIBECK_STEP
+                return change - fitted @ (fitted.T @ change)
+            for name, alone in zip(asked, self._pool.map(column, asked)):
+                size, friction = float(np.linalg.norm(alone)), self._names.index(f"{name}.friction")
+                most = max(x[friction] / self._ranges[friction], STRIBECK_TOLD)
+                if size * most > HALF_95:
+                    told.add(name)
+                fall = -float(alone @ now.ravel()) / max(size, 1e-12)
+                if fall > 0.0 and fall**2 > max(SEEN, seen.get(name, (0.0, 0.0))[0]):
+                    seen[name] = (fall**2, speeds[name])
+        return {name: speed for name, (_, speed) in seen.items()}, [name for name in asked if name not in told]
+
+    def weak(self, x: np.ndarray, joints: Iterable[str]) -> Set[str]:
+        """Those of the joints whose static friction is not told from none."""
+        now = self._robot.residual(x, self._robot.fit, self._weights)
+        weights, now = self._weights / np.sqrt(np.mean(now**2)), now / np.sqrt(np.mean(now**2))
+        J = self.jacobian(x, self._robot.fit, weights, now).reshape(-1, len(x))
+        stddev = np.sqrt(np.diag(np.linalg.inv(J.T @ J + np.eye(len(x)) / PRIOR_RANGES**2))) * self._ranges
+        at = {name: self._names.index(name + STRIBECK) for name in joints}
+        return {name for name, i in at.items() if x[i] < SIGNIFICANT * stddev[i]}
 
     def jacobian(self, x, rows, weights, now):
         """(channels, n, parameters) of derivatives of the residual by parameters in units of their ranges."""
@@ -152,15 +277,14 @@ class _Fit:
         now = self._robot.residual(x, rows, weights)
         enough = ENOUGH * now.size if follow or len(weights) < len(self._weights) else SETTLED
         for _ in range(rounds):
-            x, now = self._delayed(x, now, rows, weights)
             if follow:
                 rms = np.sqrt(np.mean(now**2, axis=1))
                 change = 1.0 / np.maximum(rms, 1e-9 * rms.max())
                 weights, now = weights * change, now * change[:, None]
-            prior = self._prior(x)
-            J = self.jacobian(x, rows, weights, now).reshape(-1, len(x))
-            H = J.T @ J + np.eye(len(x)) / PRIOR_RANGES**2
-            g = J.T @ now.ravel() + prior / PRIOR_RANGES
+            prior, along = self._prior(x), self._along(x)
+            J = self.jacobian(x, rows, weights, now).reshape(-1, len(x)) @ along
+            H = J.T @ J + along.T @ along / PRIOR_RANGES**2
+            g = J.T @ now.ravel() + along.T @ prior / PRIOR_RANGES
             cost = float(np.sum(now**2) + prior @ prior)
             held = (x <= self._least) & (g > 0.0)  # at a bound, and the cost falls beyond it
             for _ in range(TRIALS):
@@ -168,7 +292,7 @@ class _Fit:
                 step = np.zeros(len(x))
                 step[~held] = -np.linalg.solve(part[~held][:, ~held], g[~held])
                 step = np.clip(step, -MOST_STEP, MOST_STEP)
-                trial = np.maximum(x + step * self._ranges, self._least)
+                trial = self._moved(x, step)
                 new, prior = self._robot.residual(trial, rows, weights), self._prior(trial)
                 if float(np.sum(new**2) + prior @ prior) < cost:
                     break
@@ -180,19 +304,27 @@ class _Fit:
                 break
         return x
 
+    def _along(self, x):
+        """(k, k) derivatives of the parameters in ranges by the steps of `_moved`."""
+        along = np.eye(len(x))
+        for p, group in self._loops:
+            along[group, p] = x[group] / self._ranges[group]
+        return along
+
+    def _moved(self, x, step):
+        """Values after a step: that of a gain p is one of its logarithm, and scales the joint's other gains and its
+        friction, too. A light joint tells little but their ratios, and the valley of the cost is straight then."""
+        moved = x + step * self._ranges
+        for p, group in self._loops:
+            moved[p] = x[p]
+            moved[group] *= np.exp(np.clip(step[p], -MOST_SCALING, MOST_SCALING))
+        return np.maximum(moved, self._least)
+
     def _prior(self, x):
         return (x - self._start) / self._ranges / PRIOR_RANGES
 
-    def _delayed(self, x, now, rows, weights):
-        """(x, residual) of the best delay nearby: set points that jump make its derivative hold for a period only."""
-        trials = [x + step * (np.arange(len(x)) == self._delay) for step in DELAY_STEPS_S]
-        found = list(self._pool.map(lambda trial: self._robot.residual(trial, rows, weights), trials))
-        costs = [float(np.sum(each**2)) for each in (now, *found)]
-        best = int(np.argmin(costs))
-        return (x, now) if best == 0 else (trials[best - 1], found[best - 1])
-
-    def twin(self, x, payload_link):
-        """`Twin` of the fitted values."""
+    def twin(self, x, payload_link, untold=()):
+        """`Twin` of the fitted values. Args: untold: joints of whose static friction the recording tells nothing."""
         robot, rows, names = self._robot, self._robot.fit, self._names
         for attempt in range(ATTEMPTS):
             now = robot.residual(x, rows, self._weights)
@@ -212,7 +344,11 @@ class _Fit:
         q, _ = robot.replay(x, robot.used)
         measured = self._recording.position[robot.used]
         residual, held_out = (np.sqrt(np.mean(part**2, axis=0)) for part in np.split(q - measured, [len(rows)]))
-        explained = scale < EXPLAINED and np.all(held_out < EXPLAINED * residual)
+        one_way = self._one_way()
+        repeated = (held_out < EXPLAINED * residual) | one_way
+        if not np.all(repeated):
+            repeated |= held_out < EXPLAINED * np.hypot(residual, self._predicted(x, flat, scale))
+        explained = scale < EXPLAINED and np.all(repeated)
         converged = bool(near and found.lower is None and explained)
         groups = np.repeat(np.arange(len(now)), now.shape[1])
         cov = covariance(inverse, now.ravel(), groups, LAGS)
@@ -221,6 +357,8 @@ class _Fit:
         stddev = np.sqrt(np.diag(cov))
         sides = _sides(found, cov) if converged else HALF_95 * np.stack([stddev, stddev])
         unknown = self._unknown(x, flat, null, sides.max(axis=0))
+        for name in (joint for joint, only in zip(robot.names, one_way) if only and f"{joint}.friction" in names):
+            unknown[f"{name}.friction"] = (name + START,)
         if not converged:
             sides[:] = stddev[:] = cov[:] = np.inf
         cov *= np.outer(self._ranges, self._ranges)
@@ -231,14 +369,35 @@ class _Fit:
                      for i, each in enumerate(robot.parameters) if each.name in mine and each.name not in unknown}
         rest = [Unknown(name, tuple(others), motion_for(name, payload_link)) for name, others in unknown.items()
                 if name in mine]
+        rest += [Unknown(name + STRIBECK, (), motion_for(name + STRIBECK)) for name in untold]
         add_state_delay(self._recording, estimates, rest)
         # Unknown ones stay as fitted: only together with the others do they repeat the motion.
         values = {name: float(value) for name, value in zip(names, x)}
         section = robot.overlay(values)
         section["sim"][DELAY] = round(max(values[DELAY], 0.0), 6)
+        if STATE_DELAY in estimates:
+            section["time"] = {STATE_DELAY: round(max(estimates[STATE_DELAY].value, 0.0), 6)}
         return Twin(Identified(estimates, rest, dict(zip(robot.names, residual.tolist()))), tuple(names), cov,
-                    converged, section, robot.names, self._recording.times_s[robot.used] - robot.start_s, measured, q,
-                    len(rows))
+                    converged, bandwidths(robot, x, cov, measured.mean(axis=0)), section, robot.names,
+                    self._recording.times_s[robot.used] - robot.start_s, measured, q, len(rows))
+
+    def _one_way(self):
+        """(m,) whether a joint moved one way only in the fitted part, towards a set point that began where no message
+        tells: its friction and this place are one, and the motion back shows it."""
+        q = self._recording.position[self._robot.fit]
+        ways = [np.max(np.maximum.accumulate(side * q, axis=0) - side * q, axis=0) for side in (-1.0, 1.0)]
+        starts = np.array([name + START in self._names for name in self._robot.names])
+        return starts & (np.min(ways, axis=0) * self._weights[:q.shape[1]] < BOTH_WAYS)
+
+    def _predicted(self, x, flat, scale):
+        """(m,) error of the positions in the held-out part that the uncertainty of the parameters predicts: what the
+        fitted part tells badly may show there."""
+        robot = self._robot
+        weights = self._weights[:len(robot.names)] / scale
+        now = robot.residual(x, robot.used, weights)
+        J = self.jacobian(x, robot.used, weights, now)[:, len(robot.fit):]
+        cov = np.linalg.inv(flat.T @ flat + np.eye(len(x)) / PRIOR_RANGES**2)
+        return np.sqrt(np.mean(np.einsum("cni,ij,cnj->cn", J, cov, J), axis=1)) / weights
 
     def _profile(self, x, weights, flat):
         def residual(way):

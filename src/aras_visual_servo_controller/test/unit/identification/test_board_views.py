@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 import rospy
-from sensor_msgs.msg import CameraInfo, Image, JointState
+from sensor_msgs.msg import CameraInfo, CompressedImage, Image, JointState
 
 from aras_visual_servo import ParameterError
 from aras_visual_servo.cli.main import main
@@ -50,7 +50,29 @@ def test_the_board_is_found_with_the_stamps_and_the_lens_of_the_camera(tmp_path)
     assert camera.K[0, 0] == 200.0 and camera.distortion.tolist() == [0.0] * 5 and camera.width == 320
 
 
+def compressed(data=None):
+    """The views with PNG files in the place of the images, or with these bytes."""
+    found = []
+    for topic, message, t in views():
+        if topic.endswith("image_raw"):
+            pixels = np.frombuffer(message.data, dtype=np.uint8).reshape(240, 320)
+            packed = CompressedImage(header=message.header, format="mono8; png compressed",
+                                     data=data or cv2.imencode(".png", pixels)[1].tobytes())
+            topic, message = topic + "/compressed", packed
+        found.append((topic, message, t))
+    return found
+
+
+def test_compressed_images_tell_the_same_as_the_images_they_were_made_of(tmp_path):
+    camera, stamps, pixels = read(write(tmp_path / "c.bag", compressed()))
+    plain = read(write(tmp_path / "a.bag", views()))
+    np.testing.assert_array_equal(pixels, plain[2])
+    np.testing.assert_array_equal(stamps, plain[1])
+    assert camera.K[0, 0] == 200.0
+
+
 @pytest.mark.parametrize("messages, words", [
+    (lambda: compressed(b"12345678"), "/cam/image_raw/compressed: found an image of format"),
     (lambda: views(info=None), "/cam/camera_info: found none"),
     (lambda: views(info=CameraInfo()), "found no intrinsics"),
     (lambda: views() + views("/other"), "/cam/image_raw, /other/image_raw"),

@@ -10,10 +10,14 @@ import yaml
 
 from aras_visual_servo import ParameterError, Scenario, load_scenario, simulation_of
 from aras_visual_servo_controller import Commands, Recording, identify_twin
+from aras_visual_servo_controller.cli.identify import _rows
 from aras_visual_servo_controller.identification import twin as twin_module
+from aras_visual_servo_controller.identification.bandwidth import bandwidth
 from aras_visual_servo_controller.identification.dynamics import TreeDynamics
+from aras_visual_servo_controller.identification.estimates import Estimate
 from aras_visual_servo_controller.identification.excite import _condition, design, trajectory_yaml
 from aras_visual_servo_controller.identification.profile import profile
+from aras_visual_servo_controller.identification.replayed import ReplayedRobot
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 from secret_arm import NOMINAL, controllers
@@ -33,10 +37,11 @@ def scenario(folder, dynamics=None, **sim):
     return Scenario("two", "", robot, sim, {}, {}, {}, {})
 
 
-def recording(folder, rng, kind, still=(), seconds=4.0):
+def recording(folder, rng, kind, still=(), seconds=4.0, back=None, **more):
+    """With `back`, J2 moves one way at a constant speed, and back after this part of the time."""
     loops = {name: {key: TRUTH[f"{name}.{key}"] for key in "pd"} for name in ("J1", "J2")}
     dynamics = {"loops": loops, **{key: {name: TRUTH[f"{name}.{key}"] for name in loops}
-                                   for key in ("damping", "friction")}}
+                                   for key in ("damping", "friction")}, **more}
     sim = simulation_of(scenario(folder, dynamics, gravity_m_s2=[0.0, 0.0, -9.81 * TRUTH["gravity_scale"]],
                                  command_delay_s=TRUTH["command_delay_s"]))
     sim.step(1000)
@@ -49,6 +54,8 @@ def recording(folder, rng, kind, still=(), seconds=4.0):
             slope += np.array([0.77, -0.77]) * np.cos(7.7 * t)
             goal = {name: 0.0 if name in still else value
                     for name, value in zip(loops, wave if kind == "position" else slope)}
+            if back is not None:
+                goal["J2"] = 0.3 if k < back * 100 * seconds else -0.3
             sim.set_command(**{kind: goal})
             stamps.append(sim.time_s)
             values.append(list(goal.values()))
@@ -69,10 +76,71 @@ def test_secret_parameters_are_in_their_intervals_and_the_twin_repeats_what_was_
         [f'{name} {value:.1f}' for name, value in off.items()]
     assert found.estimates["J1.p"].stddev < 0.1 * TRUTH["J1.p"]
     assert max(twin.held_out.values()) < 1.5 * NOISE
+    tree, q = TreeDynamics(NOMINAL), twin.measured.mean(axis=0)
+    inertia = tree.efforts([tree.inertias], (np.tile(q, (2, 1)), np.zeros((2, 2)), np.eye(2)), np.zeros(3))[0]
+    for name, M in zip(("J1", "J2"), inertia.diagonal()):
+        gains = {"i": 0.0, **{key: TRUTH[f"{name}.{key}"] for key in "pd"}}
+        true = bandwidth(gains, TRUTH[f"{name}.damping"], M, False)
+        assert abs(twin.bandwidth[name].value - true) < 4.0 * twin.bandwidth[name].stddev < 0.2 * true
     np.testing.assert_allclose(np.sqrt(np.diag(twin.covariance))[0], found.estimates["J1.damping"].stddev)
     section = twin.overlay["robot"]["dynamics"]
     assert section["friction"]["J2"] == pytest.approx(TRUTH["J2.friction"], rel=0.1)
     assert twin.overlay["sim"]["command_delay_s"] == pytest.approx(TRUTH["command_delay_s"], abs=6e-4)
+
+
+def test_static_friction_is_found_where_it_shows(tmp_path):
+    truth = {"J1.friction": TRUTH["J1.friction"], "J1.stribeck": 1.2, "J1.stribeck_velocity": 0.2}
+    twin = identify_twin(recording(tmp_path, np.random.default_rng(6), "velocity", static_friction={"J1": 1.9},
+                                   stribeck_velocity={"J1": 0.2}), scenario(tmp_path))
+    found = twin.identified.estimates
+    assert twin.converged and set(found) == {*TRUTH, *truth}
+    assert all(abs(found[name].value - value) < 3.0 * found[name].stddev for name, value in truth.items())
+    section = twin.overlay["robot"]["dynamics"]
+    assert section["static_friction"] == {"J1": pytest.approx(1.9, rel=0.1)}
+    assert set(section["stribeck_velocity"]) == {"J1"}
+    again = ReplayedRobot(recording(tmp_path, np.random.default_rng(6), "velocity"), scenario(tmp_path, section))
+    assert {"J1.stribeck", "J1.stribeck_velocity"} <= {each.name for each in again.parameters}
+
+
+def test_a_motion_back_that_the_fitted_part_does_not_tell_is_no_reason_to_distrust_the_fit(tmp_path):
+    twin = identify_twin(recording(tmp_path, np.random.default_rng(5), "velocity", back=0.8), scenario(tmp_path))
+    assert twin.held_out["J2"] > twin_module.EXPLAINED * twin.identified.residual["J2"]
+    found = twin.identified.estimates
+    assert twin.converged and "J2.friction" not in found
+    assert found["J1.friction"].stddev < 0.1 * TRUTH["J1.friction"]
+
+
+def test_friction_of_a_joint_that_moved_one_way_is_one_with_the_place_where_its_set_point_began(tmp_path):
+    twin = identify_twin(recording(tmp_path, np.random.default_rng(5), "velocity", back=0.85), scenario(tmp_path))
+    unknown = {each.name: each.not_apart_from for each in twin.identified.unknown}
+    assert unknown["J2.friction"] == ("J2.start",) and "J1.friction" in twin.identified.estimates
+
+
+def test_what_is_simulated_is_straight_in_the_delay_within_a_period(tmp_path):
+    robot = ReplayedRobot(recording(tmp_path, np.random.default_rng(4), "velocity", seconds=2.5), scenario(tmp_path))
+    x = np.array([each.start for each in robot.parameters])
+    at = [each.name for each in robot.parameters].index("command_delay_s")
+
+    def replayed(delay):
+        return np.hstack(robot.replay(np.where(np.arange(len(x)) == at, delay, x), robot.first))
+    ends = [replayed(0.0231), replayed(0.0239)]
+    np.testing.assert_allclose(replayed(0.0235), np.mean(ends, axis=0), atol=1e-9)
+    assert np.abs(np.diff(ends, axis=0)).max() > 1e-3
+
+
+def test_the_bandwidth_is_that_of_loops_of_first_and_second_order():
+    plain = {"p": 100.0, "i": 0.0, "d": 0.0}
+    assert bandwidth(plain, 0.0, 2.0, True) == pytest.approx(50.0 / (2.0 * np.pi), rel=1e-4)
+    assert bandwidth(plain, 30.0, 2.0, True) == pytest.approx(65.0 / (2.0 * np.pi), rel=1e-4)
+    natural, ratio = 30.0, 0.6  # [rad/s], 1: s^2 + 2 ratio natural s + natural^2
+    part = 1.0 - 2.0 * ratio**2
+    expected = natural * np.sqrt(part + np.sqrt(part**2 + 1.0)) / (2.0 * np.pi)
+    assert bandwidth({**plain, "p": natural**2}, 2.0 * ratio * natural, 1.0, False) == pytest.approx(expected, rel=1e-4)
+
+
+def test_an_estimate_without_an_interval_is_shown_without_one_and_others_with_theirs():
+    rows = _rows({"J1.p": Estimate(2.0, np.inf, "1"), "image_delay_s": Estimate(0.1, 0.01, "s")})
+    assert rows[0]["interval"] == "unknown" and rows[1]["interval"].startswith("0.0804")
 
 
 def test_a_fit_that_did_not_converge_has_no_intervals(tmp_path, monkeypatch):
@@ -101,8 +169,10 @@ def test_a_profile_follows_a_cost_that_is_no_parabola():
 
 
 def test_a_joint_that_rests_is_named_with_the_motion_that_would_tell_it(tmp_path):
-    twin = identify_twin(recording(tmp_path, np.random.default_rng(5), "velocity", still=("J2",), seconds=2.5),
-                         scenario(tmp_path))
+    still = recording(tmp_path, np.random.default_rng(5), "velocity", still=("J2",), seconds=2.5)
+    late = dataclasses.replace(still, received_s=still.times_s + 0.004)
+    twin = identify_twin(late, scenario(tmp_path))
+    assert twin.overlay["time"] == {"joint_state_delay_s": pytest.approx(0.004)}
     unknown = {each.name: each.motion for each in twin.identified.unknown}
     assert {"J2.damping", "J2.d"} <= set(unknown) and "J2" in unknown["J2.damping"]
     assert {"J1.damping", "J1.friction"} <= set(twin.identified.estimates)

@@ -62,6 +62,12 @@ struct Mimic {
   double multiplier = 1.0, offset = 0.0;
 };
 
+/** What static friction adds to Coulomb friction: `excess` exp(-(v / `velocity`)^2). */
+struct Stribeck {
+  double excess = 0.0;    ///< static minus Coulomb friction, [N] or [N m]
+  double velocity = 1.0;  ///< [m/s] or [rad/s]
+};
+
 struct Joint {
   std::string name;
   JointType type = JointType::kFixed;
@@ -75,10 +81,14 @@ struct Joint {
   Mimic mimic;
   double damping = 0.0;                          ///< [N s/m] or [N m s/rad]
   double friction = 0.0;                         ///< Coulomb, [N] or [N m]
+  std::vector<Stribeck> stribeck;                ///< one at most; with those of followers where a drive adds them up
   std::vector<std::string> hardware_interfaces;  ///< from <transmission>, without "hardware_interface/"
   int index = -1;                                ///< into RobotModel::joint_names, -1 for fixed and floating
 
   bool moves() const { return type != JointType::kFixed && type != JointType::kFloating; }
+  /** Dry friction at a speed: Coulomb's, and Stribeck's part of static friction (Armstrong-Helouvry, Dupont and Canudas
+   *  de Wit, Automatica 30(7), 1994, section 2.3). */
+  double dryFriction(double v) const;
 };
 
 struct Link {

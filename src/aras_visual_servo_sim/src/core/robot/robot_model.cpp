@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <aras_visual_servo_common/text.hpp>
+#include <cmath>
 
 #include "aras_visual_servo_sim/config/errors.hpp"
 
@@ -9,6 +10,12 @@ namespace aras_visual_servo_sim {
 
 std::string scoped(const std::string& robot, const std::string& name) {
   return robot.empty() ? name : robot + "::" + name;
+}
+
+double Joint::dryFriction(double v) const {
+  double effort = friction;
+  for (const Stribeck& each : stribeck) effort += each.excess * std::exp(-std::pow(v / each.velocity, 2));
+  return effort;
 }
 
 int RobotModel::jointIndex(const std::string& joint_name) const {

@@ -208,11 +208,26 @@ void checkLimit(const UrdfSource& source, const XMLElement& joint, const std::st
 void checkDynamics(const UrdfSource& source, const XMLElement& joint, const std::string& owner) {
   const XMLElement* dynamics = joint.FirstChildElement("dynamics");
   if (!dynamics) return;
-  for (const char* attribute : {"damping", "friction"}) {
+  for (const char* attribute : {"damping", "friction", "static_friction", "stribeck_velocity"}) {
     const double value = numberOf(source, *dynamics, attribute, 0.0, owner);
     if (value < 0.0) source.fail(*dynamics, owner + ": " + attribute + " is " + numberText(value) + ", must be >= 0");
     requireWithin(source, *dynamics, owner + ": " + attribute, value, kMostDamping);
   }
+  const bool given = dynamics->Attribute("static_friction") != nullptr;
+  if (given != (dynamics->Attribute("stribeck_velocity") != nullptr)) {
+    source.fail(*dynamics, owner + ": " + (given ? "stribeck_velocity" : "static_friction") +
+                               " is missing, must stand " + "beside " +
+                               (given ? "static_friction" : "stribeck_velocity"));
+  }
+  if (!given) return;
+  const double friction = numberOf(source, *dynamics, "friction", 0.0, owner);
+  const double at_rest = numberOf(source, *dynamics, "static_friction", 0.0, owner);
+  const double velocity = numberOf(source, *dynamics, "stribeck_velocity", 0.0, owner);
+  if (at_rest < friction) {
+    source.fail(*dynamics, owner + ": static_friction is " + numberText(at_rest) + ", must be >= the friction, " +
+                               numberText(friction));
+  }
+  if (velocity <= 0.0) source.fail(*dynamics, owner + ": stribeck_velocity is 0, must be > 0");
 }
 
 void checkSafety(const UrdfSource& source, const XMLElement& joint, const std::string& type, const std::string& owner) {

@@ -175,4 +175,16 @@ void readMimics(const UrdfSource& source, const XMLElement& robot, RobotModel& m
   }
 }
 
+void readStribeck(const UrdfSource& source, const XMLElement& robot, RobotModel& model) {
+  for (const XMLElement* element = robot.FirstChildElement("joint"); element;
+       element = element->NextSiblingElement("joint")) {
+    const XMLElement* dynamics = element->FirstChildElement("dynamics");
+    if (!dynamics || !dynamics->Attribute("static_friction")) continue;
+    Joint& joint = model.joints[findJoint(model, element->Attribute("name"))];
+    const std::string owner = "joint '" + joint.name + "'";
+    const double excess = numberOf(source, *dynamics, "static_friction", 0.0, owner) - joint.friction;
+    if (excess > 0.0) joint.stribeck = {{excess, numberOf(source, *dynamics, "stribeck_velocity", 0.0, owner)}};
+  }
+}
+
 }  // namespace aras_visual_servo_sim

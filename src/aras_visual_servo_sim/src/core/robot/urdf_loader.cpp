@@ -215,6 +215,7 @@ RobotModel loadRobotModel(const std::string& urdf_xml, const std::string& source
   appendTree(*parsed->getRoot(), -1, model);
   nameMovingJoints(model);
   readMimics(source, *robot, model);
+  readStribeck(source, *robot, model);
   for (Joint& joint : model.joints) joint.enforced = joint.limits;
   readTransmissions(source, *robot, model);
   readGazeboTags(source, *robot, model);

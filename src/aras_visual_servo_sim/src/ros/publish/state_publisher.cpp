@@ -3,6 +3,7 @@
 #include <ros/console.h>
 
 #include <algorithm>
+#include <cmath>
 #include <exception>
 #include <map>
 #include <utility>
@@ -57,6 +58,10 @@ StatePublisher::StatePublisher(const ros::NodeHandle& node, Simulation& simulati
       clock_schedule_(std::min(parameters.time.clock_rate_hz, 1e9 / simulation.periodNs()), simulation.periodNs()),
       joint_schedule_(std::min(parameters.time.joint_state_rate_hz, 1e9 / simulation.periodNs()),
                       simulation.periodNs()),
+      joint_delay_ticks_(parameters.time.lockstep
+                             ? 0
+                             : (std::llround(1e9 * parameters.time.joint_state_delay_s) + simulation.periodNs() - 1) /
+                                   simulation.periodNs()),
       geometry_(node_, simulation, topics, recording),
       robot_frames_(node_, simulation, parameters.own.base_tf, parameters.own.link_tf),
       extra_joints_(parameters.joint_states.extra_joints) {
@@ -99,6 +104,7 @@ void StatePublisher::advertiseCamera(int camera, const CameraTopics& topics) {
 
 std::int64_t StatePublisher::nextTick() const {
   std::int64_t next = std::min(clock_schedule_.tickOf(next_clock_), joint_schedule_.tickOf(next_joints_));
+  if (!late_joints_.empty()) next = std::min(next, late_joints_.front().first);
   for (const Camera& camera : simulation_.cameras()) {
     next = std::min({next, camera.nextFrameTick(), camera.nextExposureTick()});
   }
@@ -122,7 +128,11 @@ std::vector<int> StatePublisher::publishDue() {
   next_clock_ = clock_schedule_.firstIndexFrom(tick + 1);
   next_joints_ = joint_schedule_.firstIndexFrom(tick + 1);
   const ros::Time stamp = time_.now();
-  if (clock_due || !exposed.empty() || !due.empty()) publishClock();
+  const bool late_due = !late_joints_.empty() && late_joints_.front().first <= tick;
+  if (clock_due || late_due || !exposed.empty() || !due.empty()) publishClock();
+  for (; !late_joints_.empty() && late_joints_.front().first <= tick; late_joints_.pop_front()) {
+    joints_.publish(late_joints_.front().second);
+  }
   if (joints_due || !exposed.empty()) publishPresentJoints(!exposed.empty());
   if (joints_due) publishControllers(stamp);
   if (!exposed.empty()) publishTarget(stamp);
@@ -156,6 +166,7 @@ void StatePublisher::reset() {
   next_clock_ = next_joints_ = 0;
   sampled_tick_ = -1;
   frames_ = dropped_frames_ = 0;
+  late_joints_.clear();
   path_message_.poses.clear();
 }
 
@@ -176,7 +187,11 @@ void StatePublisher::publishJoints(const ros::Time& stamp, const Eigen::VectorXd
     joint_message_.velocity.push_back(joint.velocity);
     joint_message_.effort.push_back(joint.effort);
   }
-  joints_.publish(joint_message_);
+  if (joint_delay_ticks_ == 0) {
+    joints_.publish(joint_message_);
+  } else {
+    late_joints_.emplace_back(simulation_.ticks() + joint_delay_ticks_, joint_message_);
+  }
   if (of_image) image_joints_.publish(joint_message_);
 }
 
@@ -271,6 +286,7 @@ std::vector<int> StatePublisher::resume() {
   sampled_tick_ = -1;
   next_clock_ = clock_schedule_.firstIndexFrom(tick);
   next_joints_ = joint_schedule_.firstIndexFrom(tick);
+  late_joints_.clear();
   path_message_.poses.clear();
   publishClock();
   publishLate();

@@ -11,7 +11,9 @@
 #include <sensor_msgs/Image.h>
 #include <sensor_msgs/JointState.h>
 
+#include <deque>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "aras_visual_servo_sim/simulation/cameras/frame_schedule.hpp"
@@ -29,7 +31,8 @@ namespace aras_visual_servo_sim {
 /** Publishes the messages that are due at a tick, each with the stamp of the state it describes.
  *
  *  Order at an image: clock, joint_states, ground truth, camera_info, image. Of a camera with latency the last two come
- * that much later, after the clock, with the stamp of the others. */
+ * that much later, after the clock, with the stamp of the others. Outside lockstep joint_states are late by
+ *  joint_state_delay_s. */
 class StatePublisher {
  public:
   /** @param topics  of every camera of the simulation */
@@ -95,6 +98,8 @@ class StatePublisher {
   FrameSchedule clock_schedule_, joint_schedule_;
   std::int64_t next_clock_ = 0, next_joints_ = 0;  ///< indices into the schedules
   std::int64_t sampled_tick_ = -1;
+  std::int64_t joint_delay_ticks_;
+  std::deque<std::pair<std::int64_t, sensor_msgs::JointState>> late_joints_;  ///< with the ticks at which they are due
   std::uint64_t frames_ = 0, dropped_frames_ = 0;
   Outlet<rosgraph_msgs::Clock> clock_;
   Outlet<sensor_msgs::JointState> joints_, image_joints_;

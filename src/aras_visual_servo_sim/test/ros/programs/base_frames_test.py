@@ -73,6 +73,17 @@ class BaseFrames(unittest.TestCase):
         self.check_camera(transform.transform, poses.wait()[0].pose)
         self.assertNotIn("/placed/tf", {name for name, _ in rospy.get_published_topics()})
 
+    def test_joint_states_are_late_by_their_delay_and_keep_their_stamps(self):
+        joints = Listener("told_elsewhere/joint_states", JointState)
+        until_sent_to(joints.subscriber)
+        step = service("told_elsewhere/sim/step", Step)
+        step(steps=112)
+        until(lambda: 90_000_000 in joints.stamps(), "the joint state of 90 ms")
+        self.assertNotIn(100_000_000, joints.stamps(), "12.3 ms are 13 periods")
+        step(steps=1)
+        until(lambda: 100_000_000 in joints.stamps(), "the joint state of 100 ms")
+        self.assertEqual(joints.stamps(), sorted(joints.stamps()))
+
     def test_the_links_are_told_with_every_image_and_lead_to_the_true_camera(self):
         transforms, poses = Listener("links/tf", TFMessage), Listener("links/ground_truth/camera_pose", PoseStamped)
         until_sent_to(transforms.subscriber, poses.subscriber)

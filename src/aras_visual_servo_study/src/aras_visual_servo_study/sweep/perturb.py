@@ -137,9 +137,10 @@ class _PerturbedScenario(Scenario):
     def urdf_xml(self):
         root = ElementTree.fromstring(super().urdf_xml())
         for dynamics in root.iterfind("./joint/dynamics"):
-            for name in ("friction", "damping"):
+            for name, factor in (("friction", "friction_scale"), ("static_friction", "friction_scale"),
+                                 ("damping", "damping_scale")):
                 if name in dynamics.attrib:
-                    dynamics.set(name, repr(float(dynamics.get(name)) * self.beside[f"{name}_scale"]))
+                    dynamics.set(name, repr(float(dynamics.get(name)) * self.beside[factor]))
         return ElementTree.tostring(root, encoding="unicode")
 
     def controllers(self):

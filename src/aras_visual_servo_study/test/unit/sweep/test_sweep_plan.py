@@ -118,6 +118,9 @@ def test_perturbations_reach_robot_controllers_camera_and_target(scenario):
     assert other.controllers()["J2_position_controller"]["pid"]["p"] == 14000.0
     assert other.controllers()["J2_position_controller"]["pid"]["i_clamp"] == 1000.0
     assert 'friction="2.7"' in other.urdf_xml().replace("2.7000000000000002", "2.7")
+    static = scenario.with_overrides({"robot.dynamics.static_friction": {"J2": 2.0},
+                                      "robot.dynamics.stribeck_velocity": {"J2": 0.1}})
+    assert 'static_friction="6.0"' in perturbed(static, {"friction_scale": 3.0}).urdf_xml()
     assert other.sim["cameras"][0]["noise_stddev"] == 1.5
     [model] = other.sim["scene"]["models"]
     assert "file" not in model and len(model["outlines_m"][0]) == 6

@@ -27,7 +27,11 @@ Joint JointCoupling::driven(const RobotModel& model, int coordinate) const {
   for (int i = 0; i < model.dofs(); ++i) {
     if (coordinate_[i] != coordinate || !follows(i)) continue;
     joint.damping += multiplier_[i] * multiplier_[i] * model.movingJoint(i).damping;
-    joint.friction += std::abs(multiplier_[i]) * model.movingJoint(i).friction;
+    const double size = std::abs(multiplier_[i]);
+    joint.friction += size * model.movingJoint(i).friction;
+    for (const Stribeck& each : model.movingJoint(i).stribeck) {
+      if (size > 0.0) joint.stribeck.push_back({size * each.excess, each.velocity / size});
+    }
   }
   return joint;
 }

@@ -214,7 +214,8 @@ void JointDrive::prepare(double q, double v, std::int64_t tick, JointGraph& grap
   const JointLimits& limits = joint_.limits;
   const double v_low = limits.has_position ? (limits.lower - q) / dt_s_ : -kInfinity;
   const double v_high = limits.has_position ? (limits.upper - q) / dt_s_ : kInfinity;
-  graph.build(actuator, joint_.damping, joint_.friction, v_low, v_high);
+  // Static friction that falls with the speed would bend the graph upwards. Its size is that at the period's beginning.
+  graph.build(actuator, joint_.damping, joint_.dryFriction(v), v_low, v_high);
 }
 
 void JointDrive::evaluate(double error, double process_value, double process_value_dot) {

@@ -51,6 +51,60 @@ TEST(Friction, StopsABlockThatReversesUnderGravityAndHoldsItThere) {
   EXPECT_EQ(world.jointPositions()[0], there);
 }
 
+/** A block with Stribeck friction: 6 N that 2 N of static friction are added to, which fade with 0.5 m/s. */
+RobotModel stribeckModel(double damping = 0.0) {
+  std::string urdf = replaced(readUrdf("slider.urdf"), "friction=\"0\"",
+                              "friction=\"6\" static_friction=\"8\" stribeck_velocity=\"0.5\"");
+  std::ostringstream text;
+  text << "damping=\"" << damping << "\"";
+  return modelOf(replaced(urdf, "damping=\"0\"", text.str()));
+}
+
+TEST(Stribeck, HoldsExactlyBelowStaticFrictionAndSlidesAgainstCoulombFriction) {
+  MultibodyWorld world(stribeckModel(), withEffort());
+  world.setEffort("slide", 7.9);
+  world.step(1000);
+  EXPECT_EQ(world.jointPositions()[0], 0.0);
+  EXPECT_EQ(world.jointVelocities()[0], 0.0);
+  EXPECT_EQ(world.jointEfforts()[0], 7.9);
+  world.setEffort("slide", 9.0);
+  world.step(4000);
+  const double before = world.jointVelocities()[0];
+  ASSERT_GT(before, 2.5);  // 5 Stribeck velocities: exp(-25) of the static friction is left
+  world.step(1000);
+  EXPECT_NEAR(world.jointVelocities()[0] - before, 3.0 / kMass, 1e-10);
+}
+
+TEST(Stribeck, AServoAtASpeedMeasuresTheCurve) {
+  const double speeds[] = {0.05, 0.3, -0.5, 1.5};
+  WorldConfig config = weightless();
+  config.controllers = {controllerOf("slide", ControllerType::kVelocity)};
+  MultibodyWorld world(stribeckModel(1.5), config);
+  for (const double v : speeds) {
+    world.setVelocity("slide", v);
+    world.step(10);  // its effort limit lets it change by 0.3 m/s in a step
+    const double dry = 6.0 + 2.0 * std::exp(-v * v / 0.25);
+    EXPECT_NEAR(world.jointEfforts()[0], (v > 0.0 ? dry : -dry) + 1.5 * v, 1e-12) << v;
+  }
+}
+
+double stribeckDistance(double period_s) {
+  MultibodyWorld world(stribeckModel(), weightless(period_s));
+  world.setJointVelocities(vectorOf({1.0}));
+  world.step(static_cast<int>(std::lround(1.0 / period_s)));
+  EXPECT_EQ(world.jointVelocities()[0], 0.0);
+  return world.jointPositions()[0];
+}
+
+TEST(Stribeck, ABlockStopsAfterTheDistanceOfTheClosedFormAndTheErrorHalvesWithThePeriod) {
+  // m v dv / ds = -(6 + 2 exp(-u)) with u = (v / 0.5)^2, which is 4 at 1 m/s.
+  const double expected = kMass * 0.25 / 12.0 * std::log((6.0 * std::exp(4.0) + 2.0) / 8.0);
+  const double coarse = stribeckDistance(1e-3) - expected;
+  const double fine = stribeckDistance(5e-4) - expected;
+  EXPECT_LT(std::abs(coarse), 1e-3);        // one period at the initial velocity
+  EXPECT_NEAR(fine / coarse, kHalf, 0.02);  // the last period ends at rest
+}
+
 double dampedVelocity(double period_s) {
   MultibodyWorld world(sliderModel(0.0, 4.0), weightless(period_s));
   world.setJointVelocities(vectorOf({2.0}));

@@ -59,6 +59,20 @@ TEST(Mimic, ItsFrictionActsThroughItsMultiplier) {
   EXPECT_GT(world.jointVelocities()[0], 0.0);
 }
 
+TEST(Mimic, ItsStribeckFrictionActsThroughItsMultiplier) {
+  std::string urdf = replaced(gripper(), "type=\"continuous\"", "type=\"fixed\"");
+  urdf = replaced(urdf, "<joint name=\"tip\" type=\"revolute\">", "<joint name=\"tip\" type=\"fixed\">");
+  urdf = replaced(urdf, "damping=\"0.4\" friction=\"0.1\"",
+                  "damping=\"0\" friction=\"0.1\" static_friction=\"0.4\" stribeck_velocity=\"0.5\"");
+  WorldConfig config = weightless();
+  config.controllers = {controllerOf("left", ControllerType::kVelocity)};
+  MultibodyWorld world(modelOf(urdf), config);
+  world.setVelocity("left", 0.15);
+  world.step(20);  // the right finger has -0.3 m/s
+  const double right = 0.1 + 0.3 * std::exp(-0.3 * 0.3 / 0.25);
+  EXPECT_NEAR(world.jointEfforts()[0], 0.2 + 0.5 * 0.15 + 2.0 * right, 1e-12);
+}
+
 /** Energy lost in a second of swinging without friction. */
 double energyError(double period_s) {
   WorldConfig config;
