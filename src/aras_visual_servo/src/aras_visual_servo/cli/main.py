@@ -27,7 +27,7 @@ VERBS: Dict[str, Tuple[str, str, str]] = {
     "replay-on-twin": (STUDY, "replay_on_twin", "repeat a recorded run on the twin of its arm"),
     "robot": (CORE, "robot", "print, check and add arms"),
     "ros2": (ROS, "ros2", "relay a running simulator to ROS 2 nodes, and run such nodes"),
-    "scenario": (CORE, "scenario", "list, print, begin and check scenarios; print their keys"),
+    "scenario": (CORE, "scenario", "list, show, check and write new scenarios; print their keys"),
 }
 #: The word of a verb that may be left out.
 USUAL = {"robot": "show", "ros2": "relay"}

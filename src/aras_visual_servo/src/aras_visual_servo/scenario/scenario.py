@@ -124,7 +124,7 @@ class Scenario:
         """Returns the same scenario with some values replaced, checked again.
 
         Args:
-            overrides: dotted path -> value, e.g. {"servo.gains_per_s.xn": 2.0, "sim.seed": 7}.
+            overrides: dotted path -> value, e.g. {"servo.gains_per_s.xn": 2.0, "sim.seed": 7}; None removes a key.
         Raises:
             ParameterError: a path through a value that is not a section, or a value that is not allowed.
         """
@@ -169,7 +169,9 @@ def _checked(document, base, path, files, overrides, source="scenario", before={
         node = document
         for parent in parents:
             node = node.setdefault(parent, {}) if isinstance(node, dict) else None
-        if isinstance(node, dict):
+        if isinstance(node, dict) and value is None and last in node:
+            del node[last]  # as null does in a file that extends another
+        elif isinstance(node, dict):
             node[last] = copy.deepcopy(value)
         else:
             faults.append(Fault(tuple(key.split(".")), "found a path through a value, allowed section.key"))

@@ -31,14 +31,19 @@ def comparison_rows(summary: Dict[str, Any]) -> List[Dict[str, Any]]:
 
 
 def stop_rows(summary: Dict[str, Any]) -> List[Dict[str, str]]:
-    """Rows of what the stop rule judged beside the features: dicts of label, found and allowed, as text."""
+    """Rows of what the stop rule judged beside the features: dicts of label, found and allowed, as text.
+
+    The published rule judges nothing beside them, so it has none.
+    """
     stop, rows = summary.get("stop") or {}, []
+    if stop.get("rule") != "pose":
+        return []
     for key, label, unit, factor in _STOP:
         found = stop.get(key, {}).get("found")
         if is_number(found):
             allowed = stop[key]["allowed"]
             rows.append({"label": label, "found": f"{found * factor:.3g} {unit}",
-                         "allowed": f"{allowed * factor:.3g} {unit}" if stop["rule"] == "pose" else "any"})
+                         "allowed": f"{allowed * factor:.3g} {unit}"})
     return rows
 
 
