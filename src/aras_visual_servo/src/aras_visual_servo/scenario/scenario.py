@@ -165,16 +165,11 @@ def _checked(document, base, path, files, overrides, source="scenario", before={
     """The `Scenario` of a document with overrides; `before` are those that it has already. Raises ParameterError."""
     document, faults = copy.deepcopy(document) if overrides else document, []
     for key, value in overrides.items():
-        *parents, last = key.split(".")
-        node = document
-        for parent in parents:
-            node = node.setdefault(parent, {}) if isinstance(node, dict) else None
-        if isinstance(node, dict) and value is None and last in node:
-            del node[last]  # as null does in a file that extends another
-        elif isinstance(node, dict):
-            node[last] = copy.deepcopy(value)
-        else:
-            faults.append(Fault(tuple(key.split(".")), "found a path through a value, allowed section.key"))
+        keys = tuple(key.split("."))
+        try:
+            _override(document, keys, value)
+        except LookupError as error:
+            faults.append(Fault(keys, str(error.args[0])))
     document, overrides = with_places(document, base or Path()), {**before, **overrides}
     faults += check(document, base)
     if faults:
@@ -183,3 +178,32 @@ def _checked(document, base, path, files, overrides, source="scenario", before={
     sections = {section: document.get(section, {}) for section in SECTIONS + OPTIONAL_SECTIONS}
     return Scenario(name=document["name"], description=document.get("description", ""), path=path, _base=base,
                     _files=files, _overrides=dict(overrides), **sections)
+
+
+def _override(document, keys, value):
+    """Replaces the value under keys, in place; None removes it. Raises LookupError: the keys lead nowhere."""
+    *parents, last = keys
+    node = document
+    for parent in parents:
+        if isinstance(node, list):
+            node = node[_index_of(node, parent)]
+        elif isinstance(node, dict):
+            node = node.setdefault(parent, {})
+        else:
+            raise LookupError("found a path through a value, allowed section.key")
+    if isinstance(node, list):
+        last = _index_of(node, last)
+    elif not isinstance(node, dict):
+        raise LookupError("found a path through a value, allowed section.key")
+    if value is None and (isinstance(node, list) or last in node):
+        del node[last]
+    else:
+        node[last] = copy.deepcopy(value)
+
+
+def _index_of(entries, name):
+    """Place of the entry of a list that has this name, as in files that extend others. Raises LookupError."""
+    names = [entry.get("name") if isinstance(entry, dict) else None for entry in entries]
+    if name not in names:
+        raise LookupError(f"found no entry named '{name}', allowed one of {', '.join(filter(None, names)) or 'none'}")
+    return names.index(name)

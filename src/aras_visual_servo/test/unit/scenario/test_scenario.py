@@ -218,6 +218,17 @@ def test_overrides_replace_values_and_are_checked():
         load_scenario("experiment_1", {"servo.law.name": 1})
 
 
+def test_overrides_name_entries_of_lists_and_remove_keys():
+    before = load_scenario("experiment_1")
+    after = load_scenario("experiment_1", {"sim.cameras.camera.noise_stddev": 4.0, "experiment.judge": None})
+    assert after.sim["cameras"][0] == {**before.sim["cameras"][0], "noise_stddev": 4.0}
+    assert "judge" in before.experiment and "judge" not in after.experiment
+    with pytest.raises(ParameterError, match="sim.cameras.camra.noise_stddev: .*allowed one of camera"):
+        load_scenario("experiment_1", {"sim.cameras.camra.noise_stddev": 4.0})
+    with pytest.raises(ParameterError, match="servo.nonsense"):
+        load_scenario("experiment_1", {"servo.nonsense": None})
+
+
 def test_as_dict_round_trips_and_is_a_copy(document):
     again = scenario_from_dict(copy.deepcopy(document))
     again.as_dict()["servo"]["law"] = "changed"
