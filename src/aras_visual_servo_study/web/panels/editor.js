@@ -14,7 +14,7 @@ const make = (page) => {
   const save = button("Save as a file", "Download the text as law.py, for aras-servo run --law NAME --plugins law", () => download("law.py", new Blob([text.value], { type: "text/x-python" })), { id: "law-save" });
 
   const lines = () => text.value.split("\n");
-  let bad = [], refused = false;
+  let bad = [], refused = false, edits = 0;
   const number = () => {
     numbers.replaceChildren(...lines().map((_, i) => el("span", { class: bad.includes(i + 1) ? "bad" : "" }, `${i + 1}\n`)));
     text.rows = Math.min(24, Math.max(10, lines().length + 1));
@@ -45,9 +45,12 @@ const make = (page) => {
     else if (editor.again) say("left", `The servo with this text ended with the fault below. The law ${editor.again} is in use again.`);
     else say("other", inUse);
   };
-  const send = () => page.ask({ do: "write_law", text: text.value }).then(() => { refused = false; show([]); }, (error) => { refused = true; show(error.faults || [error.message]); }).then(tell);
+  const send = () => {
+    const sent = edits, judged = (faults) => { if (sent === edits) { refused = faults.length > 0; show(faults); } };   // an answer to an older text says nothing about this one
+    page.ask({ do: "write_law", text: text.value }).then(() => judged([]), (error) => judged(error.faults || [error.message])).then(tell);
+  };
 
-  text.addEventListener("input", () => { refused = false; show([]); tell(); });
+  text.addEventListener("input", () => { edits += 1; refused = false; show([]); tell(); });
   text.addEventListener("scroll", () => { numbers.scrollTop = text.scrollTop; });
   text.addEventListener("keydown", (event) => {
     if (event.key !== "Enter") return;

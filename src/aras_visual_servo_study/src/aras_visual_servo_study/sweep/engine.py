@@ -184,7 +184,7 @@ def _client(Client, scheduler):
         raise EngineError(f"scheduler {scheduler}: cannot be reached: {error}") from error
     except TypeError as error:  # Dask's words for it tell of an argument that is None
         raise EngineError(f"scheduler {scheduler}: requires TLS, but no certificate is configured: see "
-                          "docs/sweeps.md, Many machines") from error
+                          "docs/security.md, Several machines") from error
 
 
 def _collect(client, setup, pending, save):
