@@ -207,7 +207,7 @@ class RealSettings:
         5.0, unit="m/s^2, rad/s^2", above=0,
         help="Largest acceleration of a joint. Stops are immediate, as fast as the drives brake.")
     workspace: Optional[WorkspaceSettings] = setting(
-        None, help="Box for the camera; the arm brakes before leaving it.")
+        None, help="Box for the camera, in the robot's base frame; the arm brakes before leaving it.")
 
     def check(self) -> Iterator[str]:
         """The form is known and has the controllers that it needs."""

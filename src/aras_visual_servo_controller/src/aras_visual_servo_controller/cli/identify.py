@@ -24,8 +24,8 @@ CAMERA = "camera.yaml"
 #: End of the names of the loops' bandwidths (-3 dB).
 BANDWIDTH = ".bandwidth"
 
-NOT_CONVERGED = ("the fit of the joints did not converge: its values have no intervals. Record a longer motion, or "
-                 "start from a model that is nearer to the arm.")
+NOT_CONVERGED = (f"the fit of the joints did not converge: its values have no intervals, and {OVERLAY} is not written. "
+                 "Record a longer motion, or start from a model that is nearer to the arm.")
 
 
 def _options(parser: ArgumentParser) -> None:
@@ -71,7 +71,7 @@ def _identify(arguments: Namespace) -> int:
     print(f"{folder}: {', '.join(made)} written")
     if OVERLAY in made:
         print(f"run the twin:  {cli.command_line('run', folder / OVERLAY)}")
-    return cli.EXIT_PASSED
+    return cli.EXIT_PASSED if OVERLAY in made or arguments.bag is None else cli.EXIT_FAILED
 
 
 def _identified(arguments: Namespace, scenario: Scenario) -> Dict[str, str]:
@@ -120,8 +120,9 @@ def _identified(arguments: Namespace, scenario: Scenario) -> Dict[str, str]:
     if twin.bandwidth:
         remarks.append("Bandwidth of the loops (-3 dB): "
                        + ", ".join(f"{name} {each.value:.3g} Hz" for name, each in twin.bandwidth.items()) + ".")
-    return {OVERLAY: _overlay(arguments, scenario, section, remarks), PAGE: page,
-            NUMBERS: json.dumps(numbers, indent=1) + "\n", **made}
+    if twin.converged:
+        made[OVERLAY] = _overlay(arguments, scenario, section, remarks)
+    return {**made, PAGE: page, NUMBERS: json.dumps(numbers, indent=1) + "\n"}
 
 
 def _rows(estimates: Dict[str, Estimate]) -> List[Dict[str, str]]:
