@@ -60,7 +60,7 @@ TEST(Blobs, MomentsAreThoseOfAllTogether) {
   double area = 0.0;
   for (const Point2& dot : kQuad)
     area += testing::polygonMoments(testing::project(testing::ellipse(0.012, 0.012, 0.0, dot, 48), view), 0)[0];
-  const MomentFeatures& f = look(&extractor, view, kQuad);
+  const MomentFeatures f = look(&extractor, view, kQuad);
   constexpr double kGreySteps = 1e-3;  // edges of four dots of 60 pixels, in steps of 1 / 210
   EXPECT_NEAR(f.area / area, 1.0, kGreySteps);
   EXPECT_EQ(f.components, 4);
@@ -174,7 +174,7 @@ TEST(Blobs, OneAloneIsThePointWhereverItIs) {
   extractor.setReference(kDepth_m, look(&extractor, turnedBy(0), {{0.0, 0.0}}));
   for (const testing::Point2& dot : {testing::Point2{0.2, 0.1}, {-0.2, 0.1}, {0.0, -0.15}}) {
     extractor.forgetPrevious();
-    const MomentFeatures& f = look(&extractor, turnedBy(0), {dot});
+    const MomentFeatures f = look(&extractor, turnedBy(0), {dot});
     EXPECT_TRUE(f.valid);
     EXPECT_LT(farthest_px(f, truth(turnedBy(0), {dot})), kCorner_px);
   }
@@ -185,7 +185,7 @@ TEST(Blobs, OfTwoEqualOnesTheOneFollowedIsThePoint) {
   const Polygon one{{-0.1, 0.0}}, two{{-0.1, 0.01}, {0.1, 0.0}};
   EXPECT_FALSE(look(&extractor, turnedBy(0), two).target_visible) << "before there is a reference, nothing tells which";
   extractor.setReference(kDepth_m, look(&extractor, turnedBy(0), one));
-  const MomentFeatures& f = look(&extractor, turnedBy(0), two);
+  const MomentFeatures f = look(&extractor, turnedBy(0), two);
   EXPECT_LT(farthest_px(f, truth(turnedBy(0), {two[0]})), kCorner_px);
 }
 
