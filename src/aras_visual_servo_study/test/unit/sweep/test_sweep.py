@@ -3,6 +3,7 @@
 import contextlib
 import os
 import pathlib
+import re
 import shutil
 import signal
 import sqlite3
@@ -188,10 +189,28 @@ def test_a_rerun_that_differs_says_so(undisturbed, tmp_path, capsys):
 def test_a_gate_decides_the_exit_code(undisturbed, tmp_path, capsys):
     words = ["--output", str(tmp_path)]
     assert main(["compare", "sweeps", str(undisturbed), str(undisturbed), "--fail-if", "mcnemar_p < 0.05", *words]) == 0
+    said = capsys.readouterr().out
+    assert "gate ok: mcnemar_p < 0.05 does not hold (mcnemar_p = 1)" in said
+    assert "A alone succeeds on 0 and B alone on 0: no clear difference (McNemar, p = 1)." in said
     assert main(["compare", "sweeps", str(undisturbed), "--fail-if", "success < 0.98", *words]) == 1
-    assert "FAILED: success < 0.98" in capsys.readouterr().out
+    assert re.search(r"^gate FAILED: success < 0.98 holds \(success = 0", capsys.readouterr().out, re.MULTILINE)
     assert main(["compare", "sweeps", str(undisturbed), "--fail-if", "sucess < 0.98"]) == 2
     assert "found sucess, allowed runs" in capsys.readouterr().err
+
+
+def test_a_gate_on_a_sweep_that_is_not_complete_fails(undisturbed, tmp_path, capsys):
+    cut = tmp_path / "cut"
+    shutil.copytree(undisturbed, cut)
+    with contextlib.closing(sqlite3.connect(str(cut / "sweep.db"))) as connection, connection:
+        connection.execute("DELETE FROM runs WHERE id > 38")
+    words = ["compare", "sweeps", str(undisturbed), str(cut), "--output", str(tmp_path), "--name"]
+    assert main([*words, "gated", "--fail-if", "mcnemar_p < 0.05"]) == 1
+    told = f"{cut}: 2 of {STARTS} runs are missing; aras-servo sweep --resume {cut} completes them"
+    said = capsys.readouterr().out
+    assert f"gate FAILED: {told}" in said and "gate ok: mcnemar_p" in said and f"{undisturbed}: " not in said
+    assert f"Gate failed: {told}" in (tmp_path / "comparisons" / "sweeps" / "gated" / "compare.html").read_text()
+    assert main([*words, "free"]) == 0
+    assert f"note: {told}" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("words, code, message", [
