@@ -12,7 +12,7 @@ from aras_visual_servo import ParameterError, palette
 from ..files import write_whole
 from ..report.template import render, script
 from ..report.versions import installed_versions
-from ..sweep.figure import AXES, DEFAULT_AXES
+from ..sweep.figure import AXES, default_axes
 from ..sweep.judge import COLUMNS
 from ..sweep.map import MAP_MODULES, fact, page_data, start_facts, sweep_maps
 from ..sweep.metrics import known_metrics
@@ -214,7 +214,9 @@ def sweeps_page(names: Sequence[str], folders: Sequence[Union[str, Path]], sweep
     """The page as text; arguments as of `save_sweeps_page`."""
     letters = LETTERS[:len(sweeps)]
     numbers = numbers_of(sweeps)
-    first = {"maps": sweep_maps(sweeps[0], DEFAULT_AXES, str(folders[0]), joints)} if len(sweeps) == 1 else None
+    first = None
+    if len(sweeps) == 1:
+        first = {"maps": sweep_maps(sweeps[0], default_axes(sweeps[0]), str(folders[0]), joints)}
     pairs = [{"title": _pair_title(letter, name, names), "words": _words(letter, numbers),
               "maps": paired_maps(sweeps[0], rows, letter, (str(folders[0]), str(folder)), joints)}
              for letter, name, folder, rows in list(zip(letters, names, folders, sweeps))[1:]]
@@ -244,7 +246,7 @@ def paired_maps(rows_a: List[Dict[str, Any]], rows_b: List[Dict[str, Any]], lett
     commands = [{"label": f"Rerun in {name}:", "folder": folder,
                  "text": "aras-servo rerun {id} --sweep {folder}"}
                 for name, folder in zip(("A", letter), folders)]
-    return page_data(rows, DEFAULT_AXES, maps, facts, commands, None, joints)
+    return page_data(rows, default_axes(rows, "duration_s_a"), maps, facts, commands, None, joints)
 
 
 def _pair_row(a, b):

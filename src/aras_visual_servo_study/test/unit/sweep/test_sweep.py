@@ -1,6 +1,7 @@
 """The commands `sweep`, `rerun`, `compare` as a user types them: resume, interruption, a killed worker, bad input."""
 
 import contextlib
+import html
 import os
 import pathlib
 import re
@@ -231,6 +232,34 @@ def test_bad_input_is_told_clearly(words, code, message, tmp_path, capsys, monke
     local = [] if "--workers" in words or "--scheduler" in words else ["--workers", "0"]
     assert main(["sweep", *words, *few, *local, "--output", str(tmp_path)]) == code
     assert message in capsys.readouterr().err
+
+
+def test_axes_are_checked_before_the_folder_is_made(undisturbed, tmp_path, capsys):
+    assert sweep(tmp_path, "mine", "--workers", "0", "--axes", "x0_mm", "strat_J2", starts=2) == 2
+    said = capsys.readouterr().err
+    assert "start_J6" in said and "did you mean start_J2?" in said and not list(tmp_path.iterdir())
+    # A perturbation whose values are texts cannot be an axis, which only the planned starts tell.
+    assert sweep(tmp_path, "mine", "--workers", "0", "--axes", "x0_mm", "p_servo.law", "--set",
+                 "sweep.perturb={servo.law: {values: [ibvs, paper]}}", starts=2) == 2
+    assert "--axes: found p_servo.law, allowed" in capsys.readouterr().err and not list(tmp_path.iterdir())
+    assert main(["sweep", "--resume", str(undisturbed), "--workers", "0", "--axes", "colour", "x0_mm"]) == 2
+    assert "--axes: found colour, allowed x0_mm" in capsys.readouterr().err
+
+
+def test_the_page_repeats_the_axes_that_its_maps_had_last(tmp_path):
+    assert sweep(tmp_path, "mine", "--workers", "0", "--axes", "x0_mm", "z0_mm", starts=2) == 0
+    folder = folder_of(tmp_path, "mine")
+
+    def axes():
+        page = html.unescape((folder / "sweep.html").read_text())
+        data = re.search(r'"x":"(\w+)","y":"(\w+)"', page)
+        command = re.search(r"<pre><code>(aras-servo sweep .*?)</code>", page)[1]
+        return data[1], data[2], command.partition("--axes ")[2].split()[:2], command.count("--axes")
+
+    assert axes() == ("x0_mm", "z0_mm", ["x0_mm", "z0_mm"], 1)
+    for words in (["--axes", "start_J1", "angle0_deg"], []):
+        assert main(["sweep", "--resume", str(folder), "--workers", "0", *words]) == 0
+        assert axes() == ("start_J1", "angle0_deg", ["start_J1", "angle0_deg"], 1)
 
 
 def test_a_resume_must_ask_for_the_same_sweep(undisturbed, capsys):
