@@ -16,7 +16,7 @@ from .compare.protocols.runner import Results, as_markdown, run_protocol, save_t
 from .compare.sweeps import LETTERS, format_comparison, gate_fires, numbers_of, save_sweeps_page
 from .report.versions import installed_versions
 from .sweep.engine import Progress, open_sweep, run_pending
-from .sweep.figure import DEFAULT_AXES, make_figure
+from .sweep.figure import make_figure
 from .sweep.map import joint_units
 from .sweep.plan import Start, SweepSettings, make_starts
 from .sweep.report import format_rows, save_report
@@ -71,7 +71,7 @@ class SweepResult:
     def __str__(self) -> str:
         return format_rows(self.scenario.name, self.rows)
 
-    def plot(self, name: str = "map", axes: Tuple[str, str] = DEFAULT_AXES) -> "Figure":
+    def plot(self, name: str = "map", axes: Optional[Tuple[str, str]] = None) -> "Figure":
         """Returns a figure: "map" over two columns of the rows, "curve" over the distance, or "reasons" of failures."""
         return make_figure(name, self.rows, axes)
 

@@ -6,7 +6,9 @@ Exit codes: 0 done, or the run passed; 1 it did not pass; 2 bad input; 3 could n
 import argparse
 import os
 import re
+import select
 import shlex
+import signal
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,7 +20,7 @@ from . import complete
 from ..config.plugins import described, load_plugins, code_place, placed
 from ..ground.errors import ArasError, ParameterError
 from ..ground.extras import DEBIAN_PACKAGES
-from ..processes import Interrupted, signals_raise
+from ..processes import EXIT_SIGNALLED, Interrupted, signals_raise
 
 PROGRAM = "aras-servo"
 EXIT_PASSED, EXIT_FAILED, EXIT_PARAMETERS, EXIT_BROKEN = range(4)
@@ -89,6 +91,8 @@ def guarded(work: Callable[[], int]) -> int:
         print(interrupt, file=sys.stderr)
         return interrupt.exit_code
     except Exception as error:
+        if isinstance(error, BrokenPipeError) and _nobody_reads():
+            raise
         place, expected = code_place(error), isinstance(error, (ArasError, ImportError, RuntimeError, OSError))
         if not (place or expected):
             raise
@@ -96,6 +100,31 @@ def guarded(work: Callable[[], int]) -> int:
         print(f"error: {f'{place}{error}' if expected else described(error)}"
               + (f"; `apt install {package}` installs it" if package else ""), file=sys.stderr)
         return EXIT_BROKEN
+
+
+def quiet_without_reader(work: Callable[[], int]) -> int:
+    """Returns the exit code of work(), or that of SIGPIPE if the reader of standard output has gone (`| head`)."""
+    try:
+        try:
+            return work()
+        finally:
+            print(end="", flush=True)
+    except BrokenPipeError:
+        if not _nobody_reads():
+            raise
+        # Python flushes again when it ends.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return EXIT_SIGNALLED + signal.SIGPIPE
+
+
+def _nobody_reads() -> bool:
+    """Whether standard output is a pipe whose reader has gone."""
+    output = select.poll()
+    try:
+        output.register(sys.stdout.fileno(), 0)
+    except (AttributeError, OSError, ValueError):  # no stream, or one without a file
+        return False
+    return any(event & select.POLLERR for _, event in output.poll(0))
 
 
 def repeat_line(arguments: argparse.Namespace) -> str:

@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 from typing import Dict, List, Optional, Tuple
 
-from . import EXIT_BROKEN, PROGRAM, Verb, complete, guarded, run_verb
+from . import EXIT_BROKEN, PROGRAM, Verb, complete, guarded, quiet_without_reader, run_verb
 from ..config.files import package_version
 from ..studies import sister
 
@@ -37,6 +37,10 @@ ALONE = ("ros2",)
 
 def main(argv: Optional[List[str]] = None) -> int:
     """Runs one verb. Returns the exit code."""
+    return quiet_without_reader(lambda: _main(argv))
+
+
+def _main(argv: Optional[List[str]]) -> int:
     words = list(sys.argv[1:] if argv is None else argv)
     other = other_installation(sys.argv[0])
     if argv is None and other is not None:

@@ -12,14 +12,17 @@ The measurements of an image come as `MomentFeatures`, with raw and centred mome
 target is (A, B, C) of 1/Z = A x + B y + C in the camera frame [1/m] (docs/theory.md T5).
 """
 
+import inspect
 import re
+import reprlib
+from math import isfinite
 from typing import Any, Callable, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple, Type, TypeVar, Union
 
 import numpy as np
 
 from . import interaction
 from ..config.settings import register, settings_of
-from ..ground.errors import DegenerateFeature, ParameterError
+from ..ground.errors import DegenerateFeature, NotFiniteError, ParameterError, ShapeError
 from ..ground.registry import Registry, unknown_name
 from ..ground.types import FEATURE_NAMES
 
@@ -30,6 +33,8 @@ T = TypeVar("T")
 #: Sources of points beside the moments.
 POINT_SOURCES = ("matches", "tag", "pose", "pose_with_covariance", "corners")
 _NUMBERED = re.compile(r"([a-z]+)([1-9][0-9]?)")
+_MOMENT = re.compile(r"[0-9]{2}")
+ROW_SHAPE = (6,)
 
 
 def register_feature(name: str, settings: Optional[type] = None) -> Callable[[Type[F]], Type[F]]:
@@ -274,11 +279,23 @@ class FeatureSet:
         return len(self.names)
 
     def values(self, view: View) -> Tuple[float, ...]:
-        """s, tuple of k. Raises DegenerateFeature: a feature does not exist in this view or its moments are missing."""
+        """s, tuple of k.
+
+        Raises:
+            DegenerateFeature: a feature does not exist in this view or its moments are missing.
+            ShapeError: a value is no number; with the feature, its file and line.
+        """
         try:
-            return tuple([value(view) for value in self._values])
+            s = tuple([value(view) for value in self._values])
         except KeyError as error:
-            raise self._missing(error) from None
+            self._check_moment(error)
+            raise
+        try:
+            tuple(map(isfinite, s))  # NaN is allowed here, but what is no number raises an error
+        except (TypeError, ValueError):
+            for feature, value in zip(self._features, s):
+                _check(feature, "value", value, (), "a number")
+        return s
 
     def error(self, s: Iterable[float], s_star: Iterable[float], symmetric: bool) -> Tuple[float, ...]:
         """e = s - s_star, tuple of k. Errors of angles go the short way round, modulo pi if the object is symmetric."""
@@ -286,15 +303,53 @@ class FeatureSet:
                       for a, b, (angle, half_turns) in zip(s, s_star, self._angles)])
 
     def matrix(self, view: View) -> np.ndarray:
-        """L, (k, 6), columns [v; w] in the camera frame. Raises the errors of `values`."""
+        """L, (k, 6), columns [v; w] in the camera frame. Raises the errors of `values`, also for the rows."""
         try:
-            return np.array([feature.row(view) for feature in self._features])
+            rows = [feature.row(view) for feature in self._features]
         except KeyError as error:
-            raise self._missing(error) from None
+            self._check_moment(error)
+            raise
+        try:
+            L = np.array(rows, dtype=float)
+        except (TypeError, ValueError):
+            L = np.empty(0)
+        if L.shape != (len(rows), *ROW_SHAPE):
+            for feature, row in zip(self._features, rows):
+                _check(feature, "row", row, ROW_SHAPE, f"numbers of shape {ROW_SHAPE}")
+        return L
 
-    def _missing(self, error):
-        return DegenerateFeature(f"features {', '.join(self.names)}: moment {error} is missing, set vision.order to "
-                                 f"{self.order} or more")
+    def check_finite(self, method: str, numbers: Iterable[Any]) -> None:
+        """Raises NotFiniteError if a feature's number is not finite; with the feature, its file and line.
+
+        Args: method: "value" or "row", which made the numbers.  numbers: s, (k,), or L, (k, 6).
+        """
+        for feature, found in zip(self._features, numbers):
+            if not np.isfinite(found).all():
+                raise NotFiniteError(f"{_place(feature, method)}: found {np.asarray(found).tolist()}, allowed finite "
+                                     "numbers")
+
+    def _check_moment(self, error):
+        """Raises DegenerateFeature if a KeyError is that of a moment, and not of a feature's own code."""
+        if error.args and _MOMENT.fullmatch(str(error.args[0])):
+            raise DegenerateFeature(f"features {', '.join(self.names)}: moment {error} is missing, set vision.order to "
+                                    f"{self.order} or more") from None
+
+
+def _check(feature, method, found, shape, allowed):
+    """Raises ShapeError if `found`, which a method of a feature returned, does not consist of numbers of this shape."""
+    try:
+        fit = found is not None and not isinstance(found, str) and np.array(found, dtype=float).shape == shape
+    except (TypeError, ValueError):
+        fit = False
+    if not fit:
+        text = f"shape {found.shape}" if isinstance(found, np.ndarray) else reprlib.repr(found)
+        raise ShapeError(f"{_place(feature, method)}: found {text}, allowed {allowed}")
+
+
+def _place(feature, method):
+    """Returns "FILE:LINE: feature 'NAME': METHOD", FILE and LINE of the method in the feature's class."""
+    code = getattr(inspect.unwrap(getattr(type(feature), method)), "__code__", None)
+    return (f"{code.co_filename}:{code.co_firstlineno}: " if code else "") + f"feature '{feature.name}': {method}"
 
 
 def wrapped(angle: float, symmetric: bool = False) -> float:

@@ -169,6 +169,7 @@ class Law:
             s = tracker.foreseen()
             look = self._foresee(look, s)
         if not (isfinite(sum(s)) and isfinite(look.dt_s)):
+            self.features.check_finite("value", s)
             raise NotFiniteError(f"features: found {s} and dt_s {look.dt_s}, allowed finite numbers")
         e = self.features.error(s, self._s_star, self._symmetric(look.view))
         adaptive = self._setup.adaptive_gain
@@ -245,6 +246,7 @@ class Law:
             NotFiniteError: L is not finite.  DegenerateFeature: its condition number is MAX_CONDITION or more.
         """
         if not isfinite(float(L.sum())):
+            self.features.check_finite("row", L)
             raise NotFiniteError("interaction matrix is not finite")
         sees_tilt, columns = self.features.sees_tilt, [0, 1, 2, 5]
         U, sigmas, Vt = np.linalg.svd(L if sees_tilt else L[:, columns], full_matrices=False)

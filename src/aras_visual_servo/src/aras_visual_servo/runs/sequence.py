@@ -16,6 +16,7 @@ from typing import Any, Callable, Mapping, Optional, Tuple
 
 import numpy as np
 
+from ..config.plugins import code_place, described
 from ..servo.servo import Servo
 from ..arm.kinematics import RobotKinematics
 from ..ground.errors import ArasError, ParameterError
@@ -246,7 +247,7 @@ class ExperimentSequence:
         try:
             taught = self.teach_more(stamp_ns, observation.features, q)
         except Exception as error:  # the callback may be a service call: whatever it raises is the reason
-            return self._end(stamp_ns, Status.FAULT, f"teach: {error}")
+            return self._end(stamp_ns, Status.FAULT, f"teach: {described(error) if code_place(error) else error}")
         if first:
             self.teach_stamp_ns = stamp_ns
         if not self.holds:

@@ -1,12 +1,15 @@
 """The command `aras-servo`: its verbs, the examples of --help, lines that repeat a command, plugins, completion."""
 
+import errno
 import os
 import pathlib
 import re
 import shlex
 import shutil
+import signal
 import subprocess
 import sys
+from dataclasses import replace
 
 import pytest
 import yaml
@@ -47,6 +50,28 @@ def folder(tmp_path_factory):
     for name in ("FOLDER_A", "FOLDER_B"):
         shutil.copytree(folder / "results" / "sweeps" / "experiment_1" / "STAMP", folder / name)
     return folder
+
+
+@pytest.mark.parametrize("words", [["--help"], ["scenario", "list"]], ids=" ".join)
+@pytest.mark.parametrize("buffered", ["", "1"], ids=["at the end", "at once"])
+def test_a_reader_that_has_gone_ends_the_command_quietly(words, buffered):
+    reading, writing = os.pipe()
+    os.close(reading)
+    try:
+        done = subprocess.run([sys.executable, str(PROGRAM), *words], stdout=writing, stderr=subprocess.PIPE, text=True,
+                              timeout=60, env={**os.environ, "PYTHONUNBUFFERED": buffered})
+    finally:
+        os.close(writing)
+    assert (done.returncode, done.stderr) == (128 + signal.SIGPIPE, "")
+
+
+def test_a_pipe_that_is_not_the_output_is_an_error_of_the_command(monkeypatch, capsys):
+    def broken(arguments):
+        raise BrokenPipeError(errno.EPIPE, "the other end of a connection")
+
+    monkeypatch.setitem(verb_named("scenario"), "list", replace(verb_named("scenario")["list"], work=broken))
+    assert main(["scenario", "list"]) == cli.EXIT_BROKEN
+    assert "the other end of a connection" in capsys.readouterr().err
 
 
 def test_the_help_lists_every_verb_and_each_verb_ends_with_examples(capsys):

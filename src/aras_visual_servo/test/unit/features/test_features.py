@@ -1,13 +1,17 @@
 """Moment and kernel features and interaction matrices: central differences, invariances, the set, the registry."""
 
+import re
+
 import numpy as np
 import pytest
 from toy_plant import angle_between, Camera, OUTLINE, picture, polygon_moments
 from views import (assert_same, differences, exponential, parallel, parallel_pose, plane_of, ROUNDING, SIX, tilted_pose,
                    view)
 
-from aras_visual_servo import DegenerateFeature, Features, FeatureSet, known_features, ParameterError, View
+from aras_visual_servo import (DegenerateFeature, Feature, Features, FeatureSet, known_features, NotFiniteError,
+                               ParameterError, ShapeError, View)
 from aras_visual_servo.features import interaction
+from aras_visual_servo.features.base import FEATURES
 
 SEEDS = (1, 2, 3, 4)
 INVARIANTS = ("sx", "sy", "px", "py")
@@ -92,6 +96,55 @@ def test_moments_of_too_low_an_order_say_which_order_is_needed():
     low.m, low.mu = [full.m[k] for k in keep], [full.mu[k] for k in keep]
     with pytest.raises(DegenerateFeature, match="vision.order to 4"):
         FeatureSet(SIX).matrix(View(low, (0.0, 0.0, 2.0)))
+
+
+class Own(Feature):
+    """A feature of a user, whose value and row are those of an instance."""
+
+    def value(self, view):
+        return self.number["value"]
+
+    def row(self, view):
+        return self.number["row"]
+
+
+OWN = {"value": 0.5, "row": np.ones(6)}
+
+
+@pytest.mark.parametrize("wrong, told", [
+    ({"row": [1.0, 2.0, 3.0, 4.0]}, "row: found [1.0, 2.0, 3.0, 4.0], allowed numbers of shape (6,)"),
+    ({"row": None}, "row: found None"), ({"row": {"v": 1}}, "row: found {'v': 1}"),
+    ({"row": np.ones((1, 6))}, "row: found shape (1, 6)"),
+    ({"value": "much"}, "value: found 'much', allowed a number"),
+    ({"value": np.ones(2)}, "value: found shape (2,), allowed a number"),
+    ({"value": None}, "value: found None")])
+def test_a_wrong_value_or_row_names_feature_and_file_and_line(monkeypatch, wrong, told):
+    monkeypatch.setitem(FEATURES, "own", type("own", (Own,), {"name": "own", "number": {**OWN, **wrong}}))
+    here, features = view(tilted_pose(1), plane=plane_of(tilted_pose(1))), FeatureSet(["xn", "own", "yn"])
+    method = next(iter(wrong))
+    with pytest.raises(ShapeError) as caught:
+        features.values(here) if method == "value" else features.matrix(here)
+    line = getattr(Own, method).__code__.co_firstlineno
+    assert str(caught.value).startswith(f"{__file__}:{line}: feature 'own': {told}")
+
+
+@pytest.mark.parametrize("method, numbers, told", [
+    ("value", [np.nan, np.inf, 1.0], "value: found nan"), ("value", [1.0, np.inf, 1.0], "value: found inf"),
+    ("row", [np.ones(6), [1.0] * 5 + [np.nan], np.ones(6)], "row: found [1.0, 1.0, 1.0, 1.0, 1.0, nan]")])
+def test_numbers_that_are_not_finite_name_the_first_feature(method, numbers, told):
+    features = FeatureSet(["xn", "yn", "alpha"])
+    features.check_finite(method, np.ones(3))
+    with pytest.raises(NotFiniteError) as caught:
+        features.check_finite(method, numbers)
+    name = "xn" if np.isnan(numbers[0]).any() else "yn"
+    assert re.match(rf"\S+features/moments.py:[0-9]+: feature '{name}': {re.escape(told)}, ", str(caught.value))
+
+
+def test_a_key_error_in_the_code_of_a_feature_is_not_a_missing_moment(monkeypatch):
+    monkeypatch.setitem(FEATURES, "own", type("own", (Own,), {"name": "own", "number": {}}))
+    for of in (FeatureSet(["own"]).values, FeatureSet(["own"]).matrix):
+        with pytest.raises(KeyError):
+            of(view(tilted_pose(1)))
 
 
 def test_an_isotropic_object_has_no_invariants():

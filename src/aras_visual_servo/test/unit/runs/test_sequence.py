@@ -6,6 +6,7 @@ from hypothesis import given, settings, strategies as st
 from toy_plant import arm, Camera, GOAL, PERIOD_NS, pose_error, START
 
 from aras_visual_servo import ExperimentSequence, FEATURE_NAMES, Observation, ParameterError, Servo, StampPairer, Status
+from aras_visual_servo.config.plugins import run_text
 from aras_visual_servo.ground.types import PHASES
 from aras_visual_servo.runs.sequence import HOLD_PER_S, STRAY
 
@@ -156,6 +157,14 @@ def test_failing_teach_ends_the_experiment_with_its_reason():
     result = stage.run()
     assert result.status == Status.FAULT and "camera node does not answer" in result.reason
     assert stage.servo.reference is None
+
+
+def test_an_error_of_own_code_while_the_goal_is_taught_names_file_and_line():
+    own = run_text("def refuse(stamp_ns, z_star_m):\n    return {}['speed']\n", "own")
+    stage = Stage(own.refuse)
+    stage.sequence.start()
+    result = stage.run()
+    assert result.status == Status.FAULT and "own.py:2: KeyError: 'speed'" in result.reason
 
 
 def test_a_view_is_taught_by_its_stamp_after_later_ones_came():

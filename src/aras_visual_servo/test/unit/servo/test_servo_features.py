@@ -166,6 +166,18 @@ def test_points_that_are_no_numbers_are_a_fault_with_the_arm_still(kind, bad):
     assert record.status == Status.FAULT and "not finite" in record.status_text and still(command)
 
 
+@pytest.mark.parametrize("method", ["value", "row"])
+def test_a_feature_that_is_not_finite_is_named_in_the_status(monkeypatch, method):
+    yn, factor = features.FEATURES["yn"], [1.0]
+    broken = type("yn", (yn,), {method: lambda self, view: factor[0] * getattr(yn, method)(self, view)})
+    monkeypatch.setitem(features.FEATURES, "yn", broken)
+    bench = Bench(**{**IBVS, "interaction": "current"})
+    factor[0] = np.nan
+    command, record = bench.step()
+    assert record.status == Status.FAULT and still(command)
+    assert f"{__file__}:" in record.status_text and f": feature 'yn': {method}: found " in record.status_text
+
+
 @pytest.mark.parametrize("kind", ["pbvs", "hybrid"])
 def test_points_in_another_order_are_refused(kind):
     bench = bench_of(kind)

@@ -19,8 +19,9 @@ def _sweeps_options(parser: ArgumentParser) -> None:
     parser.add_argument("sweeps", nargs="+", type=cli.file, metavar="FOLDER",
                         help="folders of sweeps, which are called A, B, C, ... in this order; each is compared with A")
     parser.add_argument("--fail-if", action="append", default=[], metavar="EXPRESSION",
-                        help="exit with code 1 if this holds, e.g. \"success<0.98\" or "
-                             "\"B.time_median_s>1.1*A.time_median_s\"; a name without a letter means the last sweep")
+                        help="exit with code 1 if this holds, or if runs of a sweep are missing, e.g. "
+                             "\"success<0.98\" or \"B.time_median_s>1.1*A.time_median_s\"; a name without a letter "
+                             "means the last sweep")
     cli.add_output(parser, "comparisons/sweeps")
 
 
@@ -30,23 +31,29 @@ def _sweeps(arguments: Namespace) -> int:
     from ..sweep.store import SweepStore
     if len(arguments.sweeps) > len(LETTERS):
         raise ParameterError(f"found {len(arguments.sweeps)} sweeps, allowed {len(LETTERS)}")
-    sweeps, homes, joints = [], [], {}
+    sweeps, homes, joints, missing = [], [], {}, []
     for folder in arguments.sweeps:
         with SweepStore.open(folder) as store:
             sweeps.append(store.rows())
             homes.append(store.folder.resolve())
             joints = joints or joint_units(store.meta["setup"])
-            missing = len(store.starts()) - len(sweeps[-1])
-        if missing:
-            print(f"note: {folder}: {missing} runs are still missing", file=sys.stderr)
+            planned = len(store.starts())
+        if planned > len(sweeps[-1]):
+            again = cli.command_line("sweep", "--resume", homes[-1])
+            missing.append(f"{folder}: {planned - len(sweeps[-1])} of {planned} runs are missing; {again} completes "
+                           "them")
     names, numbers = [home.name for home in homes], numbers_of(sweeps)
     gates = [(text, *gate_fires(text, numbers)) for text in arguments.fail_if]
     print(format_comparison(names, sweeps))
-    for text, fires, why in gates:
-        print(f"{'FAILED' if fires else 'passed'}: {text}   ({why})")
-    path = save_sweeps_page(names, homes, sweeps, gates, _folder(arguments, "sweeps"), arguments.repeat, joints)
+    for text, fires, predicate in gates:
+        print(f"gate {'FAILED' if fires else 'ok'}: {text} {predicate}")
+    for sentence in missing:
+        print(f"gate FAILED: {sentence}" if gates else f"note: {sentence}", file=sys.stdout if gates else sys.stderr)
+    path = save_sweeps_page(names, homes, sweeps, gates, _folder(arguments, "sweeps"), arguments.repeat, joints,
+                            missing)
     print(f"{'report':<20}{path}")
-    return cli.EXIT_FAILED if any(fires for _, fires, _ in gates) else cli.EXIT_PASSED
+    failed = any(fires for _, fires, _ in gates) or (gates and missing)  # what is missing could make a gate fire
+    return cli.EXIT_FAILED if failed else cli.EXIT_PASSED
 
 
 def _laws_options(parser: ArgumentParser) -> None:

@@ -9,7 +9,7 @@ from aras_visual_servo import RobotKinematics, ParameterError, Scenario, ServoLo
 from aras_visual_servo.processes import Interrupted
 from ..report.drawing import Drawing
 from ..sweep.plan import SweepSettings
-from ..sweep.store import FILE, StoreError, SweepStore
+from ..sweep.store import FILE, StoreError, SweepStore, planned_rows
 
 FOLDER = "sweeps"
 
@@ -30,7 +30,8 @@ def _sweep_options(parser: ArgumentParser) -> None:
                         help="continue an interrupted sweep (default: the newest of the scenario); runs that were "
                              "saved are not repeated")
     parser.add_argument("--axes", nargs=2, metavar=("X", "Y"),
-                        help="columns of runs.csv that are the axes of the maps (default: x0_mm y0_mm)")
+                        help="columns of runs.csv that are the axes of the maps (default: x0_mm y0_mm, or two that "
+                             "vary)")
 
 
 def _sweep(arguments: Namespace) -> int:
@@ -79,6 +80,7 @@ def _new_sweep(arguments: Namespace) -> SweepStore:
     from ..report.report import create_result_folder
     from ..report.versions import installed_versions
     from ..sweep.engine import open_sweep
+    from ..sweep.figure import check_axes
     from ..sweep.plan import make_starts
     scenario = cli.scenario_of(arguments)
     settings, kinematics = _settings(scenario, _asked(arguments))
@@ -87,12 +89,15 @@ def _new_sweep(arguments: Namespace) -> SweepStore:
         raise StoreError(f"sweep '{arguments.name}': found a sweep of this name; continue it with --resume or "
                          "choose another --name")
     starts = make_starts(settings, scenario, kinematics)
+    if arguments.axes:
+        check_axes(arguments.axes, planned_rows(starts))
     folder = create_result_folder(root, scenario.name, arguments.name)
     return open_sweep(folder, scenario, starts, settings.as_plain(), arguments.repeat, installed_versions())
 
 
 def _old_sweep(arguments: Namespace) -> SweepStore:
     """The stored sweep to go on with. Raises ParameterError: an option differs from those that it was begun with."""
+    from ..sweep.figure import check_axes
     from ..sweep.worker import make_setup
     scenario = None if arguments.scenario is None else cli.scenario_of(arguments)
     root = Path(arguments.output) / FOLDER
@@ -117,6 +122,8 @@ def _old_sweep(arguments: Namespace) -> SweepStore:
                       "--law, --plugins, --set and --drive"]
         if faults:
             raise ParameterError([f"--resume {store.folder}: {fault}" for fault in faults])
+        if arguments.axes:
+            check_axes(arguments.axes, planned_rows(store.starts()))
     except BaseException:
         store.close()
         raise
@@ -125,10 +132,9 @@ def _old_sweep(arguments: Namespace) -> SweepStore:
 
 def _run(store: SweepStore, arguments: Namespace, drawing: Drawing) -> int:
     from ..sweep.engine import run_pending
-    from ..sweep.figure import DEFAULT_AXES, check_axes
     from ..sweep.report import format_summary, save_csv, save_report
-    columns = [dict.fromkeys(store.extra)]
-    axes = check_axes(arguments.axes, columns) if arguments.axes else DEFAULT_AXES
+    if arguments.axes:
+        store.keep("axes", arguments.axes)
     print(f"sweep: {store.folder}", file=sys.stderr)
     try:
         run_pending(store, store.meta["setup"], arguments.workers, arguments.scheduler)
@@ -137,7 +143,7 @@ def _run(store: SweepStore, arguments: Namespace, drawing: Drawing) -> int:
         again = cli.command_line("sweep", "--resume", store.folder.resolve())
         print(f"{interrupt}: {len(store.pending())} runs are left; continue with: {again}", file=sys.stderr)
         return interrupt.exit_code
-    path = save_report(store, axes, drawing)
+    path = save_report(store, drawing)
     print(format_summary(store))
     print(f"{'report':<20}{path}")
     return cli.EXIT_PASSED

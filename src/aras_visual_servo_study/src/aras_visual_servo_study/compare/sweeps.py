@@ -12,7 +12,7 @@ from aras_visual_servo import ParameterError, palette
 from ..files import write_whole
 from ..report.template import render, script
 from ..report.versions import installed_versions
-from ..sweep.figure import AXES, DEFAULT_AXES
+from ..sweep.figure import AXES, default_axes
 from ..sweep.judge import COLUMNS
 from ..sweep.map import MAP_MODULES, fact, page_data, start_facts, sweep_maps
 from ..sweep.metrics import known_metrics
@@ -84,7 +84,8 @@ def gate_fires(expression: str, numbers: Dict[str, float]) -> Tuple[bool, str]:
     """Whether a gate such as "success<0.98 or B.time_median_s > 1.1*A.time_median_s" fires.
 
     An expression may contain numbers, names, + - * /, comparisons, and, or, not, brackets, and nothing else.
-    Returns: (fires, why). A gate also fires if one of its names has no value, for example because no run succeeded.
+    Returns: (fires, predicate of a sentence about the expression: "holds (success = 0.85)"). A gate also fires if one
+        of its names has no value, for example because no run succeeded.
     Raises: ParameterError: this is no such expression, or a name is unknown; the known ones are listed.
     """
     try:
@@ -95,9 +96,11 @@ def gate_fires(expression: str, numbers: Dict[str, float]) -> Tuple[bool, str]:
     value = _evaluate(tree.body, numbers, used, expression)
     if not isinstance(value, bool):
         raise ParameterError(f"--fail-if '{expression}': found a number, allowed a comparison such as success<0.98")
-    why = ", ".join(f"{name} = {number:.6g}" for name, number in used.items())
     without = [name for name, number in used.items() if math.isnan(number)]
-    return (True, f"no value: {', '.join(without)}") if without else (value, why)
+    if without:
+        return True, f"has no value, because {', '.join(without)} has none"
+    numbers_used = ", ".join(f"{name} = {number:.6g}" for name, number in used.items())
+    return value, ("holds" if value else "does not hold") + (f" ({numbers_used})" if used else "")
 
 
 _ARITHMETIC = {ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv}
@@ -178,7 +181,13 @@ def format_comparison(names: Sequence[str], sweeps: List[List[Dict[str, Any]]]) 
         lines += ["against A, same starts"] if rows is PAIRED else []
         lines += [label.ljust(26) + "".join(cell.rjust(width) for cell in cells)
                   for label, cells in table_cells(rows, numbers, letters)]
+    for letter, name in list(zip(letters, names))[1:]:
+        lines += ["", _pair_title(letter, name, names), *(f"  {sentence}" for sentence in _words(letter, numbers))]
     return "\n".join(lines)
+
+
+def _pair_title(letter, name, names):
+    return f"{letter}: {name} against A: {names[0]}"
 
 
 def _start(row):
@@ -188,30 +197,34 @@ def _start(row):
 
 def save_sweeps_page(names: Sequence[str], folders: Sequence[Union[str, Path]], sweeps: List[List[Dict[str, Any]]],
                      gates: Sequence[Tuple[str, bool, str]], folder: Path, command: str,
-                     joints: Mapping[str, str] = {}) -> Path:
+                     joints: Mapping[str, str] = {}, missing: Sequence[str] = ()) -> Path:
     """Writes compare.html into an existing folder. Returns its path.
 
     Args: folders: absolute paths of those of the sweeps.  sweeps: rows of each, A first.
-        gates: [(expression, whether it fires, why)].  command: how to repeat the comparison.
-        joints: of `joint_units`.
+        gates: [(expression, whether it fires, predicate)] of `gate_fires`.  command: how to repeat the comparison.
+        joints: of `joint_units`.  missing: sentences about sweeps that are not complete.
     Raises: ResultFolderError: the file cannot be written.
     """
-    return write_whole(folder / FILE, sweeps_page(names, folders, sweeps, gates, command, joints))
+    return write_whole(folder / FILE, sweeps_page(names, folders, sweeps, gates, command, joints, missing))
 
 
 def sweeps_page(names: Sequence[str], folders: Sequence[Union[str, Path]], sweeps: List[List[Dict[str, Any]]],
-                gates: Sequence[Tuple[str, bool, str]], command: str, joints: Mapping[str, str] = {}) -> str:
+                gates: Sequence[Tuple[str, bool, str]], command: str, joints: Mapping[str, str] = {},
+                missing: Sequence[str] = ()) -> str:
     """The page as text; arguments as of `save_sweeps_page`."""
     letters = LETTERS[:len(sweeps)]
     numbers = numbers_of(sweeps)
-    first = {"maps": sweep_maps(sweeps[0], DEFAULT_AXES, str(folders[0]), joints)} if len(sweeps) == 1 else None
-    pairs = [{"title": f"{letter}: {name} against A: {names[0]}", "words": _words(letter, numbers),
+    first = None
+    if len(sweeps) == 1:
+        first = {"maps": sweep_maps(sweeps[0], default_axes(sweeps[0]), str(folders[0]), joints)}
+    pairs = [{"title": _pair_title(letter, name, names), "words": _words(letter, numbers),
               "maps": paired_maps(sweeps[0], rows, letter, (str(folders[0]), str(folder)), joints)}
              for letter, name, folder, rows in list(zip(letters, names, folders, sweeps))[1:]]
     return render("sweeps.html.j2", sweeps=list(zip(letters, names, map(str, folders))),
                   table=table_cells(TABLE, numbers, letters),
                   paired=table_cells(PAIRED, numbers, letters[1:]) if pairs else [], pairs=pairs, first=first,
-                  gates=gates, command=command, versions=installed_versions(), script=script(*MAP_MODULES))
+                  gates=gates, missing=missing, command=command, versions=installed_versions(),
+                  script=script(*MAP_MODULES))
 
 
 def paired_maps(rows_a: List[Dict[str, Any]], rows_b: List[Dict[str, Any]], letter: str,
@@ -233,7 +246,7 @@ def paired_maps(rows_a: List[Dict[str, Any]], rows_b: List[Dict[str, Any]], lett
     commands = [{"label": f"Rerun in {name}:", "folder": folder,
                  "text": "aras-servo rerun {id} --sweep {folder}"}
                 for name, folder in zip(("A", letter), folders)]
-    return page_data(rows, DEFAULT_AXES, maps, facts, commands, None, joints)
+    return page_data(rows, default_axes(rows, "duration_s_a"), maps, facts, commands, None, joints)
 
 
 def _pair_row(a, b):

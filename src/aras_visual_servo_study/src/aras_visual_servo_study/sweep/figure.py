@@ -1,5 +1,6 @@
 """Figures of a sweep: maps of the convergence domain, success against distance, and why runs failed."""
 
+import difflib
 from pathlib import Path
 from typing import Any, Dict, List, Optional, Sequence, Tuple
 
@@ -16,7 +17,10 @@ DEFAULT_AXES = ("x0_mm", "y0_mm")
 AXES = ("x0_mm", "y0_mm", "z0_mm", "distance0_mm", "angle0_deg")
 LABELS = {"x0_mm": "initial $x$ [mm]", "y0_mm": "initial $y$ [mm]", "z0_mm": "initial $z$ [mm]",
           "distance0_mm": "initial distance [mm]", "angle0_deg": "initial angle [deg]",
-          "goal_distance_mm": "distance of the goal [mm]"}
+          "goal_distance_mm": "distance of the goal [mm]", "duration_s": "time to the end [s]",
+          "duration_s_a": "time to the end of A [s]"}
+#: A column that differs by less than this hardly varies [mm, deg]: the arm does not come to rest in the same place.
+HARDLY = 0.1
 
 
 def known_axes(rows: List[Dict[str, Any]]) -> List[str]:
@@ -27,24 +31,52 @@ def known_axes(rows: List[Dict[str, Any]]) -> List[str]:
 
 
 def check_axes(axes: Sequence[str], rows: List[Dict[str, Any]]) -> Tuple[str, ...]:
-    """The two axes. Raises ParameterError listing the known ones."""
-    known = known_axes(rows)
-    unknown = [axis for axis in axes if axis not in known]
-    if unknown:
-        raise ParameterError(f"--axes: found {', '.join(unknown)}, allowed {', '.join(known)}")
+    """The two axes. Raises ParameterError listing the known ones, with the nearest name."""
+    known, faults = known_axes(rows), []
+    for axis in axes:
+        if axis not in known:
+            near = difflib.get_close_matches(axis, known, 1)
+            faults.append(f"--axes: found {axis}, allowed {', '.join(known)}"
+                          + (f"; did you mean {near[0]}?" if near else ""))
+    if faults:
+        raise ParameterError(faults)
     return tuple(axes)
 
 
-def make_figure(name: str, rows: List[Dict[str, Any]], axes: Tuple[str, ...] = DEFAULT_AXES) -> Any:
-    """One of FIGURES as a matplotlib Figure; the same rows give the same picture."""
+def default_axes(rows: List[Dict[str, Any]], time: str = "duration_s") -> Tuple[str, ...]:
+    """Returns the two axes of the maps of a sweep: the first columns that vary.
+
+    A sweep in one coordinate has the column `time` as its second axis.
+    """
+    perturbed = [name for name in known_axes(rows) if name.startswith("p_") and _spread(rows, name) > 0.0]
+    places = [name for name in (*DEFAULT_AXES, "z0_mm", "angle0_deg") if _spread(rows, name) > HARDLY]
+    axes = tuple([*places, *perturbed, time][:2])
+    return axes if len(axes) == 2 and all(name in rows[0] for name in axes) else DEFAULT_AXES
+
+
+def distance_column(rows: List[Dict[str, Any]]) -> str:
+    """Returns the column that says how far away a start is: the angle where only that varies."""
+    turned = _spread(rows, "distance0_mm") <= HARDLY < _spread(rows, "angle0_deg")
+    return "angle0_deg" if turned else "distance0_mm"
+
+
+def _spread(rows, column):
+    found = [row[column] for row in rows if row.get(column) is not None]
+    return max(found) - min(found) if found else 0.0
+
+
+def make_figure(name: str, rows: List[Dict[str, Any]], axes: Optional[Tuple[str, ...]] = None) -> Any:
+    """One of FIGURES as a matplotlib Figure; the same rows give the same picture. axes: None for `default_axes`."""
     import matplotlib  # slow to import, and not needed where the runs are done
 
     from ..report.figure import STYLE
     with matplotlib.rc_context(STYLE):
-        return _map(rows, axes) if name == "map" else _curve(rows) if name == "curve" else _reasons(rows)
+        if name == "map":
+            return _map(rows, axes or default_axes(rows))
+        return _curve(rows) if name == "curve" else _reasons(rows)
 
 
-def save_figures(rows: List[Dict[str, Any]], folder: Path, axes: Tuple[str, ...] = DEFAULT_AXES,
+def save_figures(rows: List[Dict[str, Any]], folder: Path, axes: Tuple[str, ...],
                  drawing: Optional[Drawing] = None) -> Dict[str, bytes]:
     """Write NAME.png and NAME.pdf of every figure; {name: png bytes}.
 
@@ -134,9 +166,10 @@ def _curve(rows):
     from matplotlib.figure import Figure
     figure = Figure(figsize=(6.2, 3.7), constrained_layout=True)
     panel = figure.add_subplot()
-    feasible = [row for row in rows if row["outcome"] != "infeasible" and row["distance0_mm"] is not None]
-    distances = [row["distance0_mm"] for row in feasible]
-    bins = int(np.clip(len(feasible) // 12, 1, 10))
+    column = distance_column(rows)
+    feasible = [row for row in rows if row["outcome"] != "infeasible" and row[column] is not None]
+    distances = [row[column] for row in feasible]
+    bins = int(np.clip(len(feasible) // 12, 3, 10))
     shift = 0.006 * (max(distances) - min(distances)) if distances else 0.0  # equal curves do not hide each other
     for name, colour, style, sign in (("success", palette.BLUE, "o-", -1), ("strict", palette.VERMILION, "s--", 1)):
         curve = success_curve(distances, [row[name] for row in feasible], bins)
@@ -148,7 +181,7 @@ def _curve(rows):
                            markersize=4, linewidth=1.2, elinewidth=1.0, capsize=2.5,
                            label=f"{METRICS[name].label}: {METRICS[name].threshold}")
     panel.set_ylim(-3.0, 103.0)
-    panel.set_xlabel("initial distance [mm]")
+    panel.set_xlabel(LABELS[column])
     panel.set_ylabel("success [%], 95 % Wilson")
     if distances:
         panel.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.2)

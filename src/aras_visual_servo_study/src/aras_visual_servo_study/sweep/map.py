@@ -100,7 +100,8 @@ def page_data(rows: List[Dict[str, Any]], axes: Tuple[str, ...], maps: List[Dict
         joints: of `joint_units`.
     """
     read = {key: varied(key, joints) or (key, 1.0, "") for key in (rows[0] if rows else ())}
-    keys = list(dict.fromkeys([*(axis for axis in known_axes(rows)), *(one["key"] for one in maps), "id",
+    offered = list(dict.fromkeys([*known_axes(rows), *axes]))
+    keys = list(dict.fromkeys([*offered, *(one["key"] for one in maps), "id",
                                *(one["key"] for one in facts)]))
     keys = [key for key in keys if rows and key in rows[0]]
     texts = {key: list(dict.fromkeys(row[key] for row in rows if isinstance(row[key], str))) for key in keys}
@@ -114,7 +115,7 @@ def page_data(rows: List[Dict[str, Any]], axes: Tuple[str, ...], maps: List[Dict
         return float(f"{read[key][1] * value:.{SIGNIFICANT}g}") if isinstance(value, float) else value
 
     data = {"columns": keys, "rows": [[cell(row, key) for key in keys] for row in rows], "texts": texts,
-            "axes": [{"key": axis, "label": plain_label(axis, joints)} for axis in known_axes(rows)], "x": axes[0],
+            "axes": [{"key": axis, "label": plain_label(axis, joints)} for axis in offered], "x": axes[0],
             "y": axes[1], "maps": maps, "facts": [one for one in facts if one["key"] in keys], "commands": commands,
             "crosses": crosses}
     return json.dumps(data, ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c")

@@ -5,21 +5,22 @@ The same runs give the same bytes, on whatever machine and in whatever order the
 
 import base64
 import math
+import shlex
 from pathlib import Path
 from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 from ..files import write_whole
 from ..report.scales import read_off
 from ..report.template import render, script
-from .figure import DEFAULT_AXES, save_figures
-from .map import MAP_MODULES, joint_units, sweep_maps
+from .figure import default_axes, distance_column, save_figures
+from .map import MAP_MODULES, joint_units, plain_label, sweep_maps
 from .metrics import known_metrics
 from .statistics import aggregate, every_run_succeeds, reasons
 from ..report.drawing import Drawing
 from .store import SweepStore
 
 CAPTIONS = {"map": "Result, time to the end and final error over two axes.",
-            "curve": "Success against the initial distance, with 95 % Wilson intervals.",
+            "curve": "Success against the {distance}, with 95 % Wilson intervals.",
             "reasons": "Why runs did not succeed."}
 
 
@@ -28,22 +29,27 @@ def save_csv(store: SweepStore) -> Path:
     return write_whole(store.folder / "runs.csv", store.csv())
 
 
-def save_report(store: SweepStore, axes: Tuple[str, ...] = DEFAULT_AXES, drawing: Optional[Drawing] = None) -> Path:
+def save_report(store: SweepStore, drawing: Optional[Drawing] = None) -> Path:
     """Writes runs.csv, the figures and sweep.html of a store with at least one run. Returns the path of sweep.html.
 
-    Args: axes: two columns, see `figure.known_axes`.  drawing: draws the figures; None: processes of this one do.
+    The axes of the maps are `meta["axes"]` of the store, see `figure.known_axes`; without, `figure.default_axes`.
+
+    Args: drawing: draws the figures; None: processes of this one do.
     Raises: ResultFolderError: a file cannot be written.
     """
     save_csv(store)
     rows = store.rows()
+    axes = tuple(store.meta.get("axes") or default_axes(rows))
     pictures = save_figures(rows, store.folder, axes, drawing)
     return write_whole(store.folder / "sweep.html", report_html(store, rows, pictures, axes))
 
 
 def report_html(store: SweepStore, rows: List[Dict[str, Any]], pictures: Dict[str, bytes],
-                axes: Tuple[str, ...] = DEFAULT_AXES) -> str:
+                axes: Tuple[str, ...]) -> str:
     """The report as one self-contained page, str."""
     numbers = aggregate(rows)
+    captions = {name: text.format(distance=plain_label(distance_column(rows)).partition(" [")[0])
+                for name, text in CAPTIONS.items()}
     shown = {name for name in ("curve", "reasons") if name == "curve" or not every_run_succeeds(rows)}
     planned = len(store.starts())
     return render(
@@ -59,10 +65,19 @@ def report_html(store: SweepStore, rows: List[Dict[str, Any]], pictures: Dict[st
         reasons=reasons(rows),
         maps=sweep_maps(rows, axes, joints=joint_units(store.meta["setup"])), script=script(*MAP_MODULES),
         map=base64.b64encode(pictures["map"]).decode(),
-        map_caption=CAPTIONS["map"], one_colour=every_run_succeeds(rows),
-        pictures=[(CAPTIONS[name], base64.b64encode(png).decode()) for name, png in pictures.items() if name in shown],
-        settings=setting_rows(store.meta), command=store.meta["command"],
+        map_caption=captions["map"], one_colour=every_run_succeeds(rows),
+        pictures=[(captions[name], base64.b64encode(png).decode()) for name, png in pictures.items() if name in shown],
+        settings=setting_rows(store.meta), command=repeat_line(store.meta),
         driven=store.meta["setup"]["drive_to_start"], versions=store.meta["versions"])
+
+
+def repeat_line(meta: Dict[str, Any]) -> str:
+    """Returns the line that repeats the sweep, with the axes that its maps had last."""
+    words = shlex.split(meta["command"])
+    if "--axes" in words:
+        at = words.index("--axes")
+        del words[at:at + 3]
+    return shlex.join([*words, *(["--axes", *meta["axes"]] if meta.get("axes") else [])])
 
 
 def rate_labels() -> Sequence[Tuple[str, str, str]]:

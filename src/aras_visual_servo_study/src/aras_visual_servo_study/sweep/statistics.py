@@ -46,12 +46,17 @@ def mcnemar(only_a: int, only_b: int) -> float:
 
 
 def signed_rank(a: Sequence[float], b: Sequence[float]) -> float:
-    """Two-sided p-value of Wilcoxon's signed-rank test; 1 if all pairs are equal, NaN if there are none."""
+    """Two-sided p-value of Wilcoxon's signed-rank test; 1 if all pairs are equal, NaN if there are none.
+
+    Pairs without a difference are left out before scipy chooses the method: with them it takes the normal approximation
+    even for few pairs.
+    """
     from scipy.stats import wilcoxon
     difference = np.asarray(a, dtype=float) - np.asarray(b, dtype=float)
     if not len(difference):
         return math.nan
-    return 1.0 if not np.any(difference) else float(wilcoxon(difference).pvalue)
+    difference = difference[difference != 0.0]
+    return float(wilcoxon(difference).pvalue) if len(difference) else 1.0
 
 
 def success_curve(distances: Any, successes: Any, bins: int = 8) -> List[Dict[str, float]]:

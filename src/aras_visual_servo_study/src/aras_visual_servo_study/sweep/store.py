@@ -12,6 +12,7 @@ import json
 import os
 import sqlite3
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Dict, Iterable, List, Optional, Sequence, Tuple, Union
 
@@ -48,12 +49,7 @@ class SweepStore:
         if path.exists():
             raise StoreError(f"{path}: found a sweep; continue it with --resume")
         lock = _lock(folder)
-        joints = next((start.joints for start in starts if start.joints), {})
-        first = starts[0]
-        offset = next((start.offset for start in starts if start.offset), {})
-        extra = ([f"start_{name}" for name in joints] + [f"offset_{name}" for name in offset]
-                 + [f"goal_{name}" for name in first.goal if name in GOAL_AXES]
-                 + [f"p_{name}" for name in first.parameters])
+        extra = varied_columns(starts)
         meta = dict(meta, layout=LAYOUT, columns=extra)
         with _speaking(path):
             connection = _connect(path)
@@ -126,6 +122,12 @@ class SweepStore:
             self._connection.executemany("INSERT INTO timing VALUES (?, ?, ?)",
                                          [(row["id"], wall_s, now) for row, wall_s in results])
 
+    def keep(self, key: str, value: Any) -> None:
+        """Saves a value of `meta`, which JSON can hold."""
+        self.meta[key] = value
+        with _speaking(self.folder), self._connection:
+            self._connection.execute("INSERT OR REPLACE INTO meta VALUES (?, ?)", (key, json.dumps(value)))
+
     def rows(self) -> List[Dict[str, Any]]:
         """Every run that is done: list of dicts of COLUMNS and `extra`, ordered by id."""
         names = list(COLUMNS) + self.extra
@@ -153,11 +155,28 @@ class SweepStore:
         self.close()
 
     def _values(self, row, start):
-        given = {**{f"start_{k}": v for k, v in (start.joints or {}).items()},
-                 **{f"offset_{k}": v for k, v in start.offset.items()},
-                 **{f"goal_{k}": v for k, v in start.goal.items()},
-                 **{f"p_{k}": v for k, v in start.parameters.items()}}
+        given = _varied(start)
         return [row[name] for name in COLUMNS] + [given.get(name) for name in self.extra]
+
+
+def varied_columns(starts: Sequence[Start]) -> List[str]:
+    """Returns the columns of `runs` beside COLUMNS, see `SweepStore.extra`."""
+    joints = next((start.joints for start in starts if start.joints), {})
+    offset = next((start.offset for start in starts if start.offset), {})
+    return list(_varied(replace(starts[0], joints=joints, offset=offset)))
+
+
+def planned_rows(starts: Sequence[Start]) -> List[Dict[str, Any]]:
+    """Returns the rows of these starts as `SweepStore.rows` does, with None for everything that only a run gives."""
+    empty = dict.fromkeys([*COLUMNS, *varied_columns(starts)])
+    return [{**empty, **_varied(start)} for start in starts]
+
+
+def _varied(start):
+    return {**{f"start_{name}": q for name, q in (start.joints or {}).items()},
+            **{f"offset_{axis}": value for axis, value in start.offset.items()},
+            **{f"goal_{axis}": value for axis, value in start.goal.items() if axis in GOAL_AXES},
+            **{f"p_{name}": value for name, value in start.parameters.items()}}
 
 
 @contextlib.contextmanager

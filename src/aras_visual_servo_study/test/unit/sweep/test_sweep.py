@@ -1,8 +1,10 @@
 """The commands `sweep`, `rerun`, `compare` as a user types them: resume, interruption, a killed worker, bad input."""
 
 import contextlib
+import html
 import os
 import pathlib
+import re
 import shutil
 import signal
 import sqlite3
@@ -188,10 +190,28 @@ def test_a_rerun_that_differs_says_so(undisturbed, tmp_path, capsys):
 def test_a_gate_decides_the_exit_code(undisturbed, tmp_path, capsys):
     words = ["--output", str(tmp_path)]
     assert main(["compare", "sweeps", str(undisturbed), str(undisturbed), "--fail-if", "mcnemar_p < 0.05", *words]) == 0
+    said = capsys.readouterr().out
+    assert "gate ok: mcnemar_p < 0.05 does not hold (mcnemar_p = 1)" in said
+    assert "A alone succeeds on 0 and B alone on 0: no clear difference (McNemar, p = 1)." in said
     assert main(["compare", "sweeps", str(undisturbed), "--fail-if", "success < 0.98", *words]) == 1
-    assert "FAILED: success < 0.98" in capsys.readouterr().out
+    assert re.search(r"^gate FAILED: success < 0.98 holds \(success = 0", capsys.readouterr().out, re.MULTILINE)
     assert main(["compare", "sweeps", str(undisturbed), "--fail-if", "sucess < 0.98"]) == 2
     assert "found sucess, allowed runs" in capsys.readouterr().err
+
+
+def test_a_gate_on_a_sweep_that_is_not_complete_fails(undisturbed, tmp_path, capsys):
+    cut = tmp_path / "cut"
+    shutil.copytree(undisturbed, cut)
+    with contextlib.closing(sqlite3.connect(str(cut / "sweep.db"))) as connection, connection:
+        connection.execute("DELETE FROM runs WHERE id > 38")
+    words = ["compare", "sweeps", str(undisturbed), str(cut), "--output", str(tmp_path), "--name"]
+    assert main([*words, "gated", "--fail-if", "mcnemar_p < 0.05"]) == 1
+    told = f"{cut}: 2 of {STARTS} runs are missing; aras-servo sweep --resume {cut} completes them"
+    said = capsys.readouterr().out
+    assert f"gate FAILED: {told}" in said and "gate ok: mcnemar_p" in said and f"{undisturbed}: " not in said
+    assert f"Gate failed: {told}" in (tmp_path / "comparisons" / "sweeps" / "gated" / "compare.html").read_text()
+    assert main([*words, "free"]) == 0
+    assert f"note: {told}" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("words, code, message", [
@@ -212,6 +232,34 @@ def test_bad_input_is_told_clearly(words, code, message, tmp_path, capsys, monke
     local = [] if "--workers" in words or "--scheduler" in words else ["--workers", "0"]
     assert main(["sweep", *words, *few, *local, "--output", str(tmp_path)]) == code
     assert message in capsys.readouterr().err
+
+
+def test_axes_are_checked_before_the_folder_is_made(undisturbed, tmp_path, capsys):
+    assert sweep(tmp_path, "mine", "--workers", "0", "--axes", "x0_mm", "strat_J2", starts=2) == 2
+    said = capsys.readouterr().err
+    assert "start_J6" in said and "did you mean start_J2?" in said and not list(tmp_path.iterdir())
+    # A perturbation whose values are texts cannot be an axis, which only the planned starts tell.
+    assert sweep(tmp_path, "mine", "--workers", "0", "--axes", "x0_mm", "p_servo.law", "--set",
+                 "sweep.perturb={servo.law: {values: [ibvs, paper]}}", starts=2) == 2
+    assert "--axes: found p_servo.law, allowed" in capsys.readouterr().err and not list(tmp_path.iterdir())
+    assert main(["sweep", "--resume", str(undisturbed), "--workers", "0", "--axes", "colour", "x0_mm"]) == 2
+    assert "--axes: found colour, allowed x0_mm" in capsys.readouterr().err
+
+
+def test_the_page_repeats_the_axes_that_its_maps_had_last(tmp_path):
+    assert sweep(tmp_path, "mine", "--workers", "0", "--axes", "x0_mm", "z0_mm", starts=2) == 0
+    folder = folder_of(tmp_path, "mine")
+
+    def axes():
+        page = html.unescape((folder / "sweep.html").read_text())
+        data = re.search(r'"x":"(\w+)","y":"(\w+)"', page)
+        command = re.search(r"<pre><code>(aras-servo sweep .*?)</code>", page)[1]
+        return data[1], data[2], command.partition("--axes ")[2].split()[:2], command.count("--axes")
+
+    assert axes() == ("x0_mm", "z0_mm", ["x0_mm", "z0_mm"], 1)
+    for words in (["--axes", "start_J1", "angle0_deg"], []):
+        assert main(["sweep", "--resume", str(folder), "--workers", "0", *words]) == 0
+        assert axes() == ("start_J1", "angle0_deg", ["start_J1", "angle0_deg"], 1)
 
 
 def test_a_resume_must_ask_for_the_same_sweep(undisturbed, capsys):

@@ -1,5 +1,6 @@
 """What a sweep shows: figures, summary, progress."""
 
+import json
 import sys
 from types import SimpleNamespace
 
@@ -8,7 +9,9 @@ import pytest
 from matplotlib.colors import LogNorm
 
 from aras_visual_servo_study.sweep import engine
-from aras_visual_servo_study.sweep.figure import _cell_edges, _norm, AXES, known_axes, make_figure
+from aras_visual_servo_study.sweep.figure import (
+    _cell_edges, _norm, AXES, default_axes, distance_column, known_axes, LABELS, make_figure)
+from aras_visual_servo_study.sweep.map import sweep_maps
 from aras_visual_servo_study.sweep.report import format_summary, setting_rows
 
 
@@ -78,18 +81,42 @@ def test_cells_are_about_four_runs_large_and_need_an_area():
 def test_the_curve_has_a_point_for_each_bin_and_metric_with_its_interval():
     panel = make_figure("curve", ROWS).axes[0]
     success, strict = panel.containers
-    # 23 runs are one bin; both curves are moved aside by 0.6 % of the way.
+    # 23 runs from 5 to 125 mm are three bins of 40 mm; both curves are moved aside by 0.6 % of the way.
     for container, side in ((success, -1.0), (strict, 1.0)):
-        (x,), (y,) = container[0].get_data()
-        tried = [one for one in ROWS if one["outcome"] != "infeasible"]
-        assert x == pytest.approx(np.mean([one["distance0_mm"] for one in tried]) + side * 0.006 * 120.0)
-        assert y == pytest.approx(100.0 * np.mean([one["success"] for one in tried]))
+        for x, y, low in zip(*container[0].get_data(), (5.0, 45.0, 85.0)):
+            tried = [one for one in ROWS if one["outcome"] != "infeasible" and low <= one["distance0_mm"] < low + 40.0
+                     or one["distance0_mm"] == low + 40.0 == 125.0]
+            assert x == pytest.approx(np.mean([one["distance0_mm"] for one in tried]) + side * 0.006 * 120.0)
+            assert y == pytest.approx(100.0 * np.mean([one["success"] for one in tried]))
+        assert len(container[0].get_xdata()) == 3
     assert panel.get_ylim() == pytest.approx((-3.0, 103.0))
 
 
 def test_reasons_are_counted_and_without_a_failure_it_is_said():
     assert [text.get_text() for text in make_figure("reasons", [row(1)]).axes[0].texts] == ["every run succeeded"]
     assert "every run succeeded" not in [text.get_text() for text in make_figure("reasons", ROWS).axes[0].texts]
+
+
+@pytest.mark.parametrize("varies, axes", [
+    ({}, ("x0_mm", "y0_mm")), ({"y0_mm": 1e-4}, ("x0_mm", "duration_s")),
+    ({"y0_mm": 1e-4, "angle0_deg": 1.0}, ("x0_mm", "angle0_deg")),
+    ({"y0_mm": 1e-4, "p_noise": 1e-3, "p_target": "a"}, ("x0_mm", "p_noise")),
+    ({"x0_mm": 1e-4, "y0_mm": 1e-4, "z0_mm": 1.0}, ("z0_mm", "duration_s"))])
+def test_the_maps_of_a_sweep_in_few_coordinates_have_axes_that_vary(varies, axes):
+    rows = [row(k, **{name: step if isinstance(step, str) else k * step for name, step in varies.items()})
+            for k in range(1, 25)]
+    assert default_axes(rows) == axes
+    panel = make_figure("map", rows).axes[0]
+    assert (panel.get_xlabel(), panel.get_ylabel()) == tuple(LABELS.get(axis, axis) for axis in axes)
+    data = json.loads(sweep_maps(rows, axes))
+    assert {axes[0], axes[1]} <= {one["key"] for one in data["axes"]} and {*axes} <= {*data["columns"]}
+
+
+def test_success_of_starts_that_are_only_turned_is_shown_over_the_angle():
+    rows = [row(k, distance0_mm=1e-3 * k, angle0_deg=float(k)) for k in range(1, 25)]
+    panel = make_figure("curve", rows).axes[0]
+    assert panel.get_xlabel() == LABELS["angle0_deg"] and len(panel.containers[0][0].get_xdata()) == 3
+    assert distance_column(ROWS) == "distance0_mm"
 
 
 def test_axes_are_columns_that_hold_numbers_or_nothing():
