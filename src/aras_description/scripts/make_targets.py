@@ -143,7 +143,8 @@ def tag_pixels(family=TAG_FAMILY, number=TAG_NUMBER):
     """The tag with its margin, (n, n) uint8."""
     import cv2  # here: nothing else needs it
     codes = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, f"DICT_APRILTAG_{family}"))
-    tag = cv2.aruco.drawMarker(codes, number, TAG_MODULES * TAG_MODULE_PX)
+    draw = getattr(cv2.aruco, "generateImageMarker", None) or cv2.aruco.drawMarker  # its name before OpenCV 4.7
+    tag = draw(codes, number, TAG_MODULES * TAG_MODULE_PX)
     return np.pad(tag, TAG_MARGIN * TAG_MODULE_PX, constant_values=255)
 
 

@@ -22,7 +22,8 @@ LEFT, TOP = 110, 70
 def with_tags(*places, number=NUMBER):
     """Grey image with a tag at each place, (u, v) of the upper left corner of its black square."""
     image = np.full(SIZE[::-1], 150, np.uint8)
-    code = cv2.aruco.drawMarker(cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_APRILTAG_36h11), number, SIDE_PX)
+    draw = getattr(cv2.aruco, "generateImageMarker", None) or cv2.aruco.drawMarker  # its name before OpenCV 4.7
+    code = draw(cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_APRILTAG_36h11), number, SIDE_PX)
     for u, v in places:
         image[v - 10:v + SIDE_PX + 10, u - 10:u + SIDE_PX + 10] = 230
         image[v:v + SIDE_PX, u:u + SIDE_PX] = code

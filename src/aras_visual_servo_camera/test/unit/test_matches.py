@@ -148,7 +148,8 @@ def tag_at(X_CT, info, number=0, family="36h11", mirrored=False):
     modules, module_px = 10, 40
     codes = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, f"DICT_APRILTAG_{family}"))
     inner = codes.markerSize + 2
-    texture = np.pad(cv2.aruco.drawMarker(codes, number, inner * module_px), module_px, constant_values=230)
+    draw = getattr(cv2.aruco, "generateImageMarker", None) or cv2.aruco.drawMarker  # its name before OpenCV 4.7
+    texture = np.pad(draw(codes, number, inner * module_px), module_px, constant_values=230)
     if mirrored:
         texture = np.ascontiguousarray(texture[:, ::-1])
     modules = inner + 2
