@@ -25,7 +25,7 @@ def folder(tmp_path_factory):
     output = tmp_path_factory.mktemp("a folder")  # a command must quote it
     assert main(["sweep", "experiment_1", "--seed", "4", "--starts", str(STARTS), "--set", "servo.time_limit_s=0.9",
                  "--set", "sweep.perturb={servo.gains_per_s.xn: [1.0, 4.0]}",
-                 "--set", "sweep.camera={x_m: [-0.2, 0.2], y_m: [-0.25, 0.25]}",
+                 "--set", "sweep.camera={x_m: [-0.2, 0.2], y_m: [-0.06, 0.06]}",
                  "--workers", "0", "--output", str(output), "--name", "page"]) == 0
     return output / "sweeps" / "experiment_1" / "page"
 
