@@ -10,6 +10,7 @@ import sys
 import aras_visual_servo as avs
 import numpy as np
 import pytest
+from release import RELEASE
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs" / "conventions.md").read_text()
@@ -19,7 +20,6 @@ ROWS = {name: (fused, plain, drawn_by.strip()) for name, fused, plain, drawn_by 
 TABLE_13 = re.search(r"<!-- hashes of Debian 13 -->\n(.*?)<!-- end", PAGE, re.DOTALL)[1]
 ROWS_13 = {name: (found, drawn_by.strip()) for name, found, drawn_by in
            re.findall(r"^\| `(\w+)` \| `(\w+)` \|(.*)\|$", TABLE_13, re.MULTILINE)}
-RELEASE = re.search(r'^VERSION_ID="?(\d+)', pathlib.Path("/etc/os-release").read_text(), re.MULTILINE)[1]
 
 AVX512 = ("AVX512F AVX512CD AVX512_SKX AVX512_CLX AVX512_CNL AVX512_ICL", "-AVX512F,-AVX512VL,-AVX512BW,-AVX512DQ")
 #: What tells numpy and the C library to do as on another processor.
