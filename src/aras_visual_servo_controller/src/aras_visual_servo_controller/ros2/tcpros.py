@@ -8,10 +8,8 @@ import json
 import socket
 import struct
 import threading
-import time
 import xmlrpc.client
-from typing import Any, Dict, List, Optional, Set
-from urllib.parse import urlsplit
+from typing import Any, Dict, Set
 
 import rosgraph
 import rospy
@@ -111,11 +109,10 @@ def connection_to(publisher: str, topic: str) -> socket.socket:
     Raises:
         ArasError: the publisher refuses.  OSError: it does not answer.
     """
-    place = urlsplit(publisher)
     node = xmlrpc.client.ServerProxy(publisher)
     code, text, protocol = node.requestTopic(rospy.get_name(), topic, [["TCPROS"]])  # type: ignore[misc]
     if code != 1 or not protocol:
-        raise ArasError(f"{place.netloc}: {text}")
+        raise ArasError(str(text))
     host, port = str(protocol[1]), int(str(protocol[2]))
     connection = socket.create_connection((host, port), TIMEOUT_S)
     try:
@@ -128,7 +125,7 @@ def connection_to(publisher: str, topic: str) -> socket.socket:
         length, = _LENGTH.unpack(head)
         answer = decode_ros_handshake_header(head + connection.recv(length, socket.MSG_WAITALL))
         if "error" in answer:
-            raise ArasError(f"{place.netloc}: {answer['error']}")
+            raise ArasError(str(answer["error"]))
     except BaseException:
         connection.close()
         raise
