@@ -1,10 +1,11 @@
-"""The ROS 2 side of the relay: a program for the Python of build/ros2, which `Relay` starts with a socket.
+"""The ROS 2 side of the relay: a program for the Python of build/ros2, which `Relay` starts with two sockets.
 
-It knows no topic by name. The ROS 1 side says what to offer, and messages pass as CDR bytes. A topic of ROS 1 is asked
-for only while a ROS 2 node listens to it.
+It knows no topic by name. The ROS 1 side says what to offer, and hands over the connections of topics (`links.py`).
+Their messages become CDR bytes here. A topic of ROS 1 is asked for only while a ROS 2 node listens to it.
 """
 
 import importlib
+import itertools
 import json
 import os
 import signal
@@ -14,7 +15,7 @@ import threading
 import time
 import traceback
 from pathlib import Path
-from typing import Any, Callable, Dict
+from typing import Any, Callable, Dict, Optional
 
 import rclpy
 from rclpy.action import ActionServer, CancelResponse
@@ -25,7 +26,9 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
+import cdr  # noqa: E402
 from channel import CALL, CONTROL, RESULT, Channel  # noqa: E402
+from links import Links  # noqa: E402
 
 #: Messages that wait for a slow listener: as many as ROS 2's profile for sensor data keeps, and of commands more.
 SENSOR_DEPTH, COMMAND_DEPTH = 5, 1000
@@ -53,8 +56,10 @@ class Door:
     Commands have a node and a thread of their own: an executor takes the longer the more its node offers.
     """
 
-    def __init__(self, channel: Channel, name: str) -> None:
+    def __init__(self, channel: Channel, link: socket.socket, name: str) -> None:
         self._channel = channel
+        self._links = Links(link, lambda number, peer: channel.tell(do="lost", number=number, peer=peer))
+        threading.Thread(target=self._links.read, daemon=True).start()
         self.node, self._commands = (rclpy.create_node(one, start_parameter_services=False, enable_rosout=False)
                                      for one in (name, name + "_commands"))
         for node in (self.node, self._commands):
@@ -86,20 +91,31 @@ class Door:
         self._channel.tell(do="types", fields={name: kind and list(kind.get_fields_and_field_types().items())
                                                for name, kind in found.items()})
 
-    def do_out(self, number: int, topic: str, type: str, kept: bool) -> None:
+    def do_out(self, number: int, topic: str, type: str, kept: bool, layout: cdr.Layout) -> None:
         """Offers a topic. Args: kept: late listeners get the last message."""
         # Reliable offers suit listeners that ask for the profile of sensor data, as well as those that ask for no loss.
         profile = QoSProfile(depth=1 if kept else SENSOR_DEPTH, reliability=ReliabilityPolicy.RELIABLE,
                              durability=DurabilityPolicy.TRANSIENT_LOCAL if kept else DurabilityPolicy.VOLATILE)
         publisher = self.node.create_publisher(type_named(type, "msg"), topic, profile)
-        self._takes[number] = publisher.publish
+        convert = cdr.to_cdr(type, layout)
+        self._links.takes[number] = lambda data: publisher.publish(convert(data, 0))
         self._others[number] = publisher.get_subscription_count
 
-    def do_into(self, number: int, topic: str, type: str) -> None:
-        """Takes a topic."""
-        self._commands.create_subscription(
-            type_named(type, "msg"), topic, lambda data: self._channel.send(number, data),
-            QoSProfile(depth=COMMAND_DEPTH), raw=True)
+    def do_into(self, number: int, topic: str, type: str, layout: Optional[cdr.Layout]) -> None:
+        """Takes a topic. Args: layout: None: the ROS 1 side takes the messages; else its subscribers do."""
+        convert = cdr.from_cdr(type, layout) if layout else None
+        count = itertools.count(1)
+
+        def take(data: bytes) -> None:
+            if convert is None:
+                self._channel.send(number, data)
+                return
+            try:
+                self._links.write(number, convert(data, next(count)))
+            except ValueError as error:
+                self._channel.tell(do="warn", text=f"{topic}: {error}")
+        self._commands.create_subscription(type_named(type, "msg"), topic, take, QoSProfile(depth=COMMAND_DEPTH),
+                                           raw=True)
         self._others[number] = lambda: self._commands.count_publishers(topic)
 
     def do_service(self, number: int, name: str, type: str) -> None:
@@ -188,7 +204,7 @@ def main() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches both sides; this one ends with the other
     channel = Channel(socket.socket(fileno=int(sys.argv[1])))
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-    door = Door(channel, sys.argv[2])
+    door = Door(channel, socket.socket(fileno=int(sys.argv[2])), sys.argv[3])
     threading.Thread(target=door.look_for_ever, daemon=True).start()
     channel.tell(do="ready")
     code = 0

@@ -1,7 +1,7 @@
 """Node `ros2_relay`: the ROS 1 side of the relay. It finds what the graph offers, and starts and feeds the ROS 2 side.
 
-Messages pass as bytes (`wire.py`). Threads: rospy has one for each connection, `_read` serves the ROS 2 side, and the
-main thread looks at the graph.
+The connections of topics are handed to the ROS 2 side (`tcpros.py`), so that their messages do not pass through here.
+Threads: `_read` serves the ROS 2 side, and the main thread looks at the graph.
 """
 
 import io
@@ -29,12 +29,12 @@ from aras_visual_servo_msgs.srv import PauseAt, SetJointPositions, SetReference,
 from ..nodes import conversions as convert
 from . import environment, wire
 from .channel import CALL, CONTROL, Channel
+from .tcpros import Handover, Publication, Subscription
 from .twist import TwistToJoints
 
 LOOK_PERIOD_S = 0.5    # wall time between looks at the graph
 START_TIMEOUT_S = 30.0  # wall time for the ROS 2 side to start
 CONNECT_TIMEOUT_S, CONNECT_PERIOD_S = 5.0, 0.1  # wall time for connections of topics that a ROS 2 node just began with
-READ_BYTES = 1 << 20   # rospy reads so much at a time: an image at once
 #: Topics outside of the namespace that are relayed too.
 OUTSIDE = ("/clock", "/tf", "/tf_static")
 #: ROS 1 keeps the last message of these for late listeners, and so does ROS 2.
@@ -56,52 +56,22 @@ class RelayError(ArasError):
 class _Out:
     """A topic of ROS 1 that ROS 2 nodes listen to. It is subscribed to only while somebody does."""
 
-    def __init__(self, relay: "Relay", number: int, topic: str, kind: Any) -> None:
-        self._send, self._number, self._topic = relay.channel.send, number, topic
-        self._to_cdr = wire.to_cdr(kind)
-        self._subscriber = None
+    def __init__(self, relay: "Relay", number: int, topic: str) -> None:
+        self.subscription = Subscription(relay.handover, number, topic)
 
     def listen(self, on: bool) -> None:
         """Begins or ends to listen."""
-        if on and self._subscriber is None:
-            self._subscriber = rospy.Subscriber(self._topic, rospy.AnyMsg, self._take, tcp_nodelay=True,
-                                                buff_size=READ_BYTES)
-        elif not on and self._subscriber is not None:
-            self._subscriber.unregister()
-            self._subscriber = None
-
-    def connected(self) -> bool:
-        """Whether nobody listens, or messages come."""
-        return self._subscriber is None or self._subscriber.get_num_connections() > 0
-
-    def _take(self, message):
-        self._send(self._number, self._to_cdr(_bytes_of(message), 0))
+        self.subscription.want(on)
 
 
 class _Into:
     """A topic of ROS 1 that ROS 2 nodes publish on."""
 
-    def __init__(self, topic: str, kind: Any) -> None:
-        class Raw(kind):
-            """A message whose bytes are there already."""
-            _has_header = False  # its sequence number is in the bytes
-
-            def __init__(self, data: bytes) -> None:
-                self._data = data
-
-            def serialize(self, buff: Any) -> None:
-                buff.write(self._data)
-
-        self._raw, self._from_cdr, self._count = Raw, wire.from_cdr(kind), 0
-        self._publisher = _publisher(topic, kind)
+    def __init__(self, relay: "Relay", number: int, topic: str, kind: Any) -> None:
+        self._publication = Publication(relay.handover, number, _publisher(topic, kind))
 
     def listen(self, on: bool) -> None:
         """A ROS 2 node began or ended to publish."""
-
-    def take(self, data: bytes) -> None:
-        """Publishes a message of ROS 2."""
-        self._count += 1
-        self._publisher.publish(self._raw(self._from_cdr(data, self._count)))
 
 
 class _Twist:
@@ -116,8 +86,6 @@ class _Twist:
         self._subscriber = None
 
     def _on_joints(self, message):
-        if isinstance(message, rospy.AnyMsg):
-            message = JointState().deserialize(message._buff)
         self._to_joints.add(convert.stamp_ns(message.header), self._joints.positions(message))
 
     def listen(self, on: bool) -> None:
@@ -218,11 +186,14 @@ class Relay:
         environment.check_shell(os.environ)
         folder = environment.find_environment()
         ours, theirs = socket.socketpair()
+        give, get = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         name = rospy.get_name().strip("/").replace("/", "_")
         program = os.path.join(os.path.dirname(__file__), "door.py")
-        self._process = environment.start([program, str(theirs.fileno()), name], os.environ, [theirs.fileno()], folder)
+        sockets = [theirs.fileno(), get.fileno()]
+        self._process = environment.start([program, *map(str, sockets), name], os.environ, sockets, folder)
         theirs.close()
-        self.channel = Channel(ours)
+        get.close()
+        self.channel, self.handover = Channel(ours), Handover(give)
         self._ready, self._told = threading.Event(), threading.Event()
         self._fields: Dict[str, Optional[List[List[str]]]] = {}
         self._entries: Dict[int, Any] = {}
@@ -248,11 +219,11 @@ class Relay:
         deadline = time.monotonic() + CONNECT_TIMEOUT_S
         waited = False
         while time.monotonic() < deadline and not all(
-                entry.connected() for entry in list(self._entries.values()) if isinstance(entry, _Out)):
+                entry.subscription.connected for entry in list(self._entries.values()) if isinstance(entry, _Out)):
             waited = True
             time.sleep(CONNECT_PERIOD_S)
         if waited:
-            time.sleep(CONNECT_PERIOD_S)  # rospy counts a connection slightly before the publisher sends on it
+            time.sleep(CONNECT_PERIOD_S)  # a connection counts slightly before the publisher sends on it
 
     # --- from the ROS 2 side --------------------------------------------------------------------------------------
 
@@ -265,6 +236,10 @@ class Relay:
                 elif told["do"] == "types":
                     self._fields.update(told["fields"])
                     self._told.set()
+                elif told["do"] == "lost":
+                    self._entries[told["number"]].subscription.lost(told["peer"])
+                elif told["do"] == "warn":
+                    rospy.logwarn("from ROS 2: %s", told["text"])
                 else:
                     self._entries[told["number"]].listen(told["on"])
             else:
@@ -295,6 +270,9 @@ class Relay:
     def _look(self):
         namespace = rospy.get_namespace()
         master = rospy.get_master()
+        for entry in list(self._entries.values()):
+            if isinstance(entry, _Out):
+                entry.subscription.update()
         published, subscribed, services = master.getSystemState()[2]
         types = dict(master.getTopicTypes()[2])
         outside = [rospy.resolve_name(topic) for topic in OUTSIDE]
@@ -314,14 +292,18 @@ class Relay:
         for topic, kind in outputs:
             if self._usable(kind):
                 number = self._enter(topic)
-                self._entries[number] = _Out(self, number, topic, roslib.message.get_message_class(kind))
-                self.channel.tell(do="out", number=number, topic=topic, type=kind, kept=topic in kept)
+                self._entries[number] = _Out(self, number, topic)
+                self.channel.tell(do="out", number=number, topic=topic, type=kind, kept=topic in kept,
+                                  layout=wire.layout_of(roslib.message.get_message_class(kind)))
         for topic, kind in inputs:
             if self._usable(kind):
                 number = self._enter(topic)
-                self._entries[number] = (_Twist(self._twist) if topic == rospy.resolve_name(TWIST) else
-                                         _Into(topic, roslib.message.get_message_class(kind)))
-                self.channel.tell(do="into", number=number, topic=topic, type=kind)
+                if topic == rospy.resolve_name(TWIST):
+                    self._entries[number], layout = _Twist(self._twist), None
+                else:
+                    message = roslib.message.get_message_class(kind)
+                    self._entries[number], layout = _Into(self, number, topic, message), wire.layout_of(message)
+                self.channel.tell(do="into", number=number, topic=topic, type=kind, layout=layout)
         offered = {name for name, _ in services}
         for name, kind in SERVICES.items():
             full = rospy.resolve_name(name)
@@ -381,9 +363,7 @@ def _publisher(topic, kind):
 
 
 def _bytes_of(message):
-    """ROS 1 bytes. rospy gives all subscribers of a topic messages of one class, for example its own of /clock."""
-    if isinstance(message, rospy.AnyMsg):
-        return message._buff
+    """ROS 1 bytes."""
     buffer = io.BytesIO()
     message.serialize(buffer)
     return buffer.getvalue()
