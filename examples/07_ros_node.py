@@ -1,5 +1,5 @@
 """A ROS node of one's own that servoes.   python3 examples/07_ros_node.py __ns:=aras_visual_servo
-Start `roslaunch aras_visual_servo_controller servo.launch experiment:=false lockstep:=false real_time_factor:=1` first."""
+First `roslaunch aras_visual_servo_controller servo.launch experiment:=false lockstep:=false real_time_factor:=1`."""
 import queue
 
 import rospy
@@ -10,7 +10,7 @@ from aras_visual_servo_msgs.srv import GetModelState, SetJointPositions, SetRefe
 
 rospy.init_node("own_servo")
 scenario = avs.load_scenario("experiment_1")
-arm = scenario.kinematics()
+arm, z_star_m = scenario.kinematics(), scenario.experiment["z_star_m"]
 servo, pairer, pairs = avs.Servo(arm, scenario.servo), avs.StampPairer(), queue.Queue()
 place = rospy.ServiceProxy("sim/set_joint_positions", SetJointPositions)
 state = rospy.ServiceProxy("sim/get_model_state", GetModelState)
@@ -22,7 +22,7 @@ place.wait_for_service()
 place(list(arm.joint_names), list(scenario.goal_posture(arm)))
 at_goal_ns = placed_ns = state("target", "").header.stamp.to_nsec() + 10**9  # the arm settles for 1 s
 next(pair for pair in iter(pairs.get, None) if pair[0] > at_goal_ns)
-rospy.ServiceProxy("camera/set_reference", SetReference)(z_star_m=scenario.experiment["z_star_m"], from_current_view=True)
+rospy.ServiceProxy("camera/set_reference", SetReference)(z_star_m=z_star_m, from_current_view=True)
 while not rospy.is_shutdown() and not servo.finished:
     stamp_ns, features, joints = pairs.get()
     if joints is None or stamp_ns <= placed_ns or features.reference_stamp_ns <= at_goal_ns:
