@@ -27,7 +27,8 @@ def commands():
     """The page's lines that are typed, without those of the named arms and those over ROS."""
     blocks = re.findall(r"^```(\w*)\n(.*?)^```$", PAGE.read_text(), re.DOTALL | re.MULTILINE)
     lines = [line.partition("#")[0].strip() for language, text in blocks if not language for line in text.splitlines()]
-    return [shlex.split(line)[1:] for line in lines if "my_arm" in line and "--ros" not in line]
+    return [shlex.split(line)[1:] for line in lines
+            if "my_arm" in line and "--ros" not in line and line.startswith("aras-servo ")]
 
 
 def test_every_line_of_the_page_does_what_it_says(folder):

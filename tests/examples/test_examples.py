@@ -3,6 +3,7 @@ import pathlib
 import subprocess
 import sys
 
+import aras_visual_servo
 import pytest
 from ros_graph import LIMIT_S, Graph
 
@@ -26,9 +27,15 @@ def test_an_example_runs_from_any_folder(name, tmp_path):
 
 
 def test_the_node_of_the_examples_servoes(tmp_path):
+    """It ends at the goal. With the latency, images from before a placement come after it for 0.25 s."""
+    scenario = aras_visual_servo.load_scenario("experiment_1")
+    goal = scenario.kinematics().pose(scenario.goal_posture(scenario.kinematics()))
     with Graph(tmp_path) as graph:
         graph.start("roslaunch", "-p", str(graph.port), "aras_visual_servo_controller", "servo.launch",
-                    "experiment:=false", "lockstep:=false", "real_time_factor:=4")
+                    "experiment:=false", "lockstep:=false", "real_time_factor:=2",
+                    "set:=sim.cameras.camera.latency_s=0.25 servo.input_timeout_s=1")
         graph.until(lambda: "/aras_visual_servo/camera/features" in graph.topics(), "the camera's features")
         node = EXAMPLES / "07_ros_node.py"
         assert "CONVERGED" in graph.output(sys.executable, str(node), "__ns:=aras_visual_servo")
+        place = graph.message("/aras_visual_servo/ground_truth/camera_pose")["pose"]["position"]
+        assert [place[axis] for axis in "xyz"] == pytest.approx(goal[:3, 3], abs=0.005)

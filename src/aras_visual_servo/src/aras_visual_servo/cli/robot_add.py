@@ -1,5 +1,6 @@
 """The word `robot add`: the files of an arm of your own, from its URDF."""
 
+import re
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 from typing import Dict, Optional
@@ -8,13 +9,20 @@ from . import EXIT_PASSED, Command, check_name, command_line, file, write_new
 from .robot_check import add_urdf, text_of
 from ..ground.errors import ParameterError
 
+HEAD = """\
+# The arm {name}. It runs alone with the task below, and under any other scenario. From the folder above:
+# `aras-servo run SCENARIO --set robot={folder}/scenario.yaml`, or extends: [{folder}/scenario.yaml, SCENARIO].
+"""
+#: The name of a mesh file that starts at the folder of the URDF.
+RELATIVE_MESH = re.compile(r"""(<mesh\b[^>]*?\bfilename=)(["'])(?!\w+:|/)(.+?)\2""")
+
 
 def _options(parser: ArgumentParser) -> None:
     add_urdf(parser)
     parser.add_argument("--name", help="name of the arm (default: that of the URDF file)")
     parser.add_argument("--folder", metavar="FOLDER", help="where the files go (default: a new folder, NAME)")
     parser.add_argument("--camera-xyz", nargs=3, type=float, metavar=("X", "Y", "Z"),
-                        help="adds the camera's link to a copy of the URDF, at this place of the tip [m]")
+                        help="adds the camera's link to the copy of the URDF, at this place of the tip [m]")
     parser.add_argument("--camera-rpy", nargs=3, type=float, default=(0.0, 0.0, 0.0), metavar=("R", "P", "Y"),
                         help="with --camera-xyz: its roll, pitch and yaw there [rad] (default: along the tip's z)")
     parser.add_argument("--home", metavar="J1=Q1,..",
@@ -41,15 +49,16 @@ def _work(arguments: Namespace) -> int:
     if not arguments.z_star_m > 0.0:
         raise ParameterError(f"--z-star-m: found {arguments.z_star_m:g}, allowed > 0 [m]")
     folder, text = Path(file(arguments.folder or name)), text_of(arguments.urdf)
-    urdf, made = str(source), {}
+    made: Dict[str, str] = {}
     if arguments.camera_xyz:
         text = with_camera_link(text, arguments.tip, arguments.camera, arguments.camera_xyz, arguments.camera_rpy)
-        urdf, made = "arm.urdf", {"arm.urdf": text}
-    elif source.parent == folder:
-        urdf = source.name
-    arm = NewArm(name, urdf, "controllers.yaml", arguments.tip, arguments.camera, arguments.z_star_m,
+    if arguments.camera_xyz or source != folder / "arm.urdf":
+        made["arm.urdf"] = RELATIVE_MESH.sub(
+            lambda found: f"{found[1]}{found[2]}{source.parent / found[3]}{found[2]}", text)
+    arm = NewArm(name, "arm.urdf", "controllers.yaml", arguments.tip, arguments.camera, arguments.z_star_m,
                  arguments.driver, _home(arguments.home))
-    made["scenario.yaml"], made["controllers.yaml"] = arm_files(arm, text, source.parent)
+    scenario, made["controllers.yaml"] = arm_files(arm, text, source.parent)
+    made["scenario.yaml"] = HEAD.format(name=name, folder=folder.name) + scenario
     write_new(folder, made)
     print(f"{folder}: {', '.join(made)} written; run it:  {command_line('run', folder / 'scenario.yaml')}")
     return EXIT_PASSED

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from . import EXIT_PASSED, Command, command_line, file, scenario_name, write_new
 
-URDF, SCENARIO = "arm.urdf", "scenario.yaml"
+URDF, SCENARIO, CONTROLLERS = "arm.urdf", "scenario.yaml", "controllers.yaml"
 HEAD = "# The arm {name} with the meshes of {description}. It goes where {name} goes.\n"
 
 
@@ -24,8 +24,9 @@ def _work(arguments: Namespace) -> int:
     text = with_meshes(scenario.urdf_path.read_text(encoding="utf-8"), arguments.description)
     folder = Path(arguments.folder or file(scenario.name))
     document = {"name": scenario.name, "description": scenario.description, "extends": arguments.robot,
-                "robot": {"urdf": URDF}}
-    made = {URDF: text, SCENARIO: HEAD.format(name=scenario.name, description=arguments.description)
+                "robot": {"urdf": URDF, "controllers": CONTROLLERS}}
+    made = {URDF: text, CONTROLLERS: scenario.controllers_path.read_text(encoding="utf-8"),
+            SCENARIO: HEAD.format(name=scenario.name, description=arguments.description)
             + yaml.safe_dump(document, sort_keys=False)}
     write_new(folder, made)
     print(f"{folder}: {', '.join(made)} written; look at it:  {command_line('live', folder / SCENARIO)}")

@@ -24,10 +24,6 @@ AWAY_TILT_RAD = (0.08, -0.06)
 #: PIDs of joints that take efforts: error that asks for the largest effort [m, rad], and d / p [s].
 FULL_EFFORT_AT, DAMPED_S = 0.02, 0.025
 SIX_AXES, FIVE_AXES = "six_dof_rectangle", "experiment_1"
-HEAD = """\
-# The arm {name}. It runs alone with the task below, and under any other scenario: extends: [{name}, SCENARIO], or
-# `aras-servo run SCENARIO --set robot={name}`.
-"""
 
 
 @dataclass(frozen=True)
@@ -95,7 +91,7 @@ def arm_files(arm: NewArm, urdf_xml: str, folder: Optional[Path] = None) -> Tupl
         raise ParameterError("home: found no posture near it in which the camera looks down, allowed one")
     goal = np.round(goal, 6)
     start = np.round(_start(kinematics, goal), 4)
-    return (HEAD.format(name=arm.name) + _yaml(_scenario(arm, base, kinematics, goal, start)),
+    return (_yaml(_scenario(arm, base, kinematics, goal, start)),
             _yaml(_controllers(kinematics.joint_names, urdf_xml)))
 
 

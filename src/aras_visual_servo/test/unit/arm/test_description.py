@@ -90,6 +90,7 @@ def test_the_word_writes_an_arm_that_goes_under_any_task(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert main(["robot", "meshes", "ur5e", "--description", str(folder), "--folder", "mine"]) == 0
     scenario = load_scenario("six_dof_points", {"robot": str(tmp_path / "mine" / "scenario.yaml")})
+    assert scenario.controllers_path == tmp_path / "mine" / "controllers.yaml"  # where servo.launch looks for it
     assert "part.stl" in scenario.urdf_xml() and scenario.experiment == load_scenario(
         "six_dof_points", {"robot": "ur5e"}).experiment
     assert main(["robot", "meshes", "ur5e", "--description", str(folder), "--folder", "mine"]) == 2

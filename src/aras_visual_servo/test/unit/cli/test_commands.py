@@ -253,6 +253,30 @@ def test_the_launch_file_loads_what_a_scenario_extends_and_what_set_says(arm, na
         "--set servo.gains_per_s.xn=1.5")
 
 
+@pytest.mark.parametrize("words, over", [(["scenario:=mine/scenario.yaml"], "mine/scenario.yaml"),
+                                         (["arm:=mine/scenario.yaml", "scenario:=six_dof_points"], "six_dof_points")])
+def test_the_launch_file_finds_urdf_and_controllers_of_an_own_arm(words, over, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("PWD", str(tmp_path))
+    source = package_path("aras_description") / "arms" / "ur5e" / "arm.urdf"
+    mesh = "<visual><geometry><mesh filename='part.stl'/></geometry></visual>"
+    (tmp_path / "mine.urdf").write_text(re.sub(r'(<link name="tool0")\s*/>', rf"\1>{mesh}</link>", source.read_text()))
+    (tmp_path / "part.stl").touch()
+    assert main(["robot", "add", "mine.urdf", "--tip", "tool0", "--camera", "camera_optical_frame"]) == 0
+    said = subprocess.run(["roslaunch", "--dump-params", "aras_visual_servo_controller", "servo.launch", *words],
+                          check=True, stdout=subprocess.PIPE, timeout=240).stdout
+    found = yaml.safe_load(said)
+    whole = load_scenario(over, {"robot": str(tmp_path / "mine" / "scenario.yaml")})
+    assert found["/aras_visual_servo/robot_description"] == whole.urdf_xml() != load_scenario("ur5e").urdf_xml()
+    assert f"'{tmp_path / 'part.stl'}'" in whole.urdf_xml()
+    for key, controller in whole.controllers().items():
+        assert found[f"/aras_visual_servo/{key}/type"] == controller["type"]
+    line = found["/aras_visual_servo/experiment/repeat"]
+    assert line.count(str(tmp_path / "mine" / "scenario.yaml")) == 1
+    [set_as] = re.findall(r"--set (robot=\S+)`", (tmp_path / "mine" / "scenario.yaml").read_text())
+    assert main(["scenario", "check", "six_dof_points", "--set", set_as]) == 0
+
+
 def test_the_launch_file_knows_every_named_arm():
     path = package_path("aras_visual_servo_controller") / "launch" / "servo.launch"
     known = re.search(r"scenario in \[(.*?)\]", path.read_text())[1]
