@@ -13,7 +13,7 @@ ROS_INCLUDE = re.compile(
 ROS_IMPORT = re.compile(r"^\s*(import|from)\s+(rospy|actionlib|roslib|rostopic|rosgraph|roslaunch|tf|tf2_ros|cv_bridge|"
                         r"[a-z_]+_msgs)\b", re.MULTILINE)
 # The only Python modules that may know ROS: the nodes, and what reads rosbag files, which needs no master.
-ROS_MODULES = ("nodes/", "bags/bag.py", "live/over_ros.py", "ros2/relay.py")
+ROS_MODULES = ("nodes/", "bags/bag.py", "live/over_ros.py", "ros2/relay.py", "ros2/tcpros.py")
 ALLOWED = {
     "aras_description": set(),
     "aras_visual_servo_msgs": set(),

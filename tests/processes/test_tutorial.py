@@ -167,7 +167,7 @@ def graph(tmp_path_factory):
         graph.folder = folder
         graph.start("roscore", "-p", str(graph.port))
         until(lambda: "/rosout" in graph.topics(), "a master", graph.log)
-        [launch] = re.findall(r"```\n(roslaunch .*)\n```", PAGE)
+        launch, _ = re.findall(r"```\n(roslaunch .*)\n```", PAGE)  # the other one waits for a node of your own
         graph.start("bash", "-c", f"cd {folder} && exec {launch}")
         until(lambda: "/aras_visual_servo/servo_state" in graph.topics() and "/clock" in graph.topics(), "nodes",
               graph.log)
