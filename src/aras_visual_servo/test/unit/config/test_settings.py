@@ -212,7 +212,8 @@ def test_any_bytes_are_a_mapping_or_refused_by_the_name_of_their_file(folder, da
 
 
 @pytest.mark.parametrize("text", ["a: 2001-99-99", "a: " + "9" * 5000, "a: !!int b", "a: !!float b", "a: !!timestamp b",
-                                  "a: 2001-01-01 00:00:00 +99", "[a]: b", "? {a: b}\n: c", "a: !!set {[b]}", "a: !!set b"])
+                                  "a: 2001-01-01 00:00:00 +99", "[a]: b", "? {a: b}\n: c", "a: !!set {[b]}",
+                                  "a: !!set b"])
 def test_a_value_that_does_not_exist_is_refused_with_its_line(folder, text):
     error = load(folder, f"first: 1\n{text}\n".encode())
     assert isinstance(error, ParameterError), f"found {error}"

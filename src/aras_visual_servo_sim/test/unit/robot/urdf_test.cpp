@@ -234,7 +234,7 @@ TEST(RobotModel, UnknownNamesListTheKnownOnes) {
   EXPECT_HAS(messageOf<UnknownNameError>([&] { model.linkIndex("hand"); }), "link 'hand'");
 }
 
-// Whether this name is one depends on the version of TinyXML: where urdfdom reads it as it stands, the joints are there.
+// Whether this name is one depends on TinyXML's version: where urdfdom reads it as it stands, the joints are there.
 TEST(UrdfLoader, ANameThatUrdfdomReadsOtherwiseIsRefused) {
   const std::string head =
       "<robot name='r'><link name='a'/><link name='b'/><link name='c'/><joint name='j' type='prismatic'>"
