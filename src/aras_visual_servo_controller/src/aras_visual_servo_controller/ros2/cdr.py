@@ -85,6 +85,14 @@ class _Code:
         self._add(indent, f"for _{self._depth} in range({count}):")
         return indent + "    "
 
+    def _numbers(self, size, array, aligned, indent):
+        """Adds the lines that copy an array of numbers, after those that align its first one."""
+        if array < 0 and size > 4:
+            self._add(indent, "if n:")  # an empty sequence is not aligned
+            indent += "    "
+        self._add(indent, *aligned, f"m = i + {size} * {'n' if array < 0 else array}",
+                  "if m > len(data): raise IndexError('it ends too early')", "out += data[i:m]", "i = m")
+
     # --- ROS 1 to CDR -------------------------------------------------------------------------------------------
 
     def message_to_cdr(self, kind: str, indent: str) -> None:
@@ -101,13 +109,7 @@ class _Code:
                 if array < 0:
                     self._add(indent, "n, = U32.unpack_from(data, i)", "i += 4", *_align(4), "out += U32.pack(n)")
                 if base in SIZES:
-                    count = "n" if array < 0 else str(array)
-                    inner = indent
-                    if array < 0 and SIZES[base] > 4:
-                        self._add(indent, "if n:")  # an empty sequence is not aligned
-                        inner += "    "
-                    self._add(inner, *_align(SIZES[base]), f"m = i + {SIZES[base]} * {count}",
-                              "if m > len(data): raise IndexError('it ends too early')", "out += data[i:m]", "i = m")
+                    self._numbers(SIZES[base], array, _align(SIZES[base]), indent)
                 else:
                     self._value_to_cdr(base, self._loop(indent, "n" if array < 0 else array))
 
@@ -142,13 +144,7 @@ class _Code:
                 if array < 0:
                     self._add(indent, *_skip(4), "n, = U32.unpack_from(data, i)", "i += 4", "out += U32.pack(n)")
                 if base in SIZES:
-                    count = "n" if array < 0 else str(array)
-                    inner = indent
-                    if array < 0 and SIZES[base] > 4:
-                        self._add(indent, "if n:")
-                        inner += "    "
-                    self._add(inner, *_skip(SIZES[base]), f"m = i + {SIZES[base]} * {count}",
-                              "if m > len(data): raise IndexError('it ends too early')", "out += data[i:m]", "i = m")
+                    self._numbers(SIZES[base], array, _skip(SIZES[base]), indent)
                 else:
                     self._value_from_cdr(base, self._loop(indent, "n" if array < 0 else array))
 

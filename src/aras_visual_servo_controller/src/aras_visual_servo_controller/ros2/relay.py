@@ -53,27 +53,6 @@ class RelayError(ArasError):
     """The relay cannot go on."""
 
 
-class _Out:
-    """A topic of ROS 1 that ROS 2 nodes listen to. It is subscribed to only while somebody does."""
-
-    def __init__(self, relay: "Relay", number: int, topic: str) -> None:
-        self.subscription = Subscription(relay.handover, number, topic)
-
-    def listen(self, on: bool) -> None:
-        """Begins or ends to listen."""
-        self.subscription.want(on)
-
-
-class _Into:
-    """A topic of ROS 1 that ROS 2 nodes publish on."""
-
-    def __init__(self, relay: "Relay", number: int, topic: str, kind: Any) -> None:
-        self._publication = Publication(relay.handover, number, _publisher(topic, kind))
-
-    def listen(self, on: bool) -> None:
-        """A ROS 2 node began or ended to publish."""
-
-
 class _Twist:
     """Twists of the camera, answered with joint commands."""
 
@@ -219,7 +198,7 @@ class Relay:
         deadline = time.monotonic() + CONNECT_TIMEOUT_S
         waited = False
         while time.monotonic() < deadline and not all(
-                entry.subscription.connected for entry in list(self._entries.values()) if isinstance(entry, _Out)):
+                entry.connected for entry in list(self._entries.values()) if isinstance(entry, Subscription)):
             waited = True
             time.sleep(CONNECT_PERIOD_S)
         if waited:
@@ -237,7 +216,7 @@ class Relay:
                     self._fields.update(told["fields"])
                     self._told.set()
                 elif told["do"] == "lost":
-                    self._entries[told["number"]].subscription.lost(told["peer"])
+                    self._entries[told["number"]].lost(told["peer"])
                 elif told["do"] == "warn":
                     rospy.logwarn("from ROS 2: %s", told["text"])
                 else:
@@ -271,8 +250,8 @@ class Relay:
         namespace = rospy.get_namespace()
         master = rospy.get_master()
         for entry in list(self._entries.values()):
-            if isinstance(entry, _Out):
-                entry.subscription.update()
+            if isinstance(entry, Subscription):
+                entry.update()
         published, subscribed, services = master.getSystemState()[2]
         types = dict(master.getTopicTypes()[2])
         outside = [rospy.resolve_name(topic) for topic in OUTSIDE]
@@ -292,7 +271,7 @@ class Relay:
         for topic, kind in outputs:
             if self._usable(kind):
                 number = self._enter(topic)
-                self._entries[number] = _Out(self, number, topic)
+                self._entries[number] = Subscription(self.handover, number, topic)
                 self.channel.tell(do="out", number=number, topic=topic, type=kind, kept=topic in kept,
                                   layout=wire.layout_of(roslib.message.get_message_class(kind)))
         for topic, kind in inputs:
@@ -302,7 +281,8 @@ class Relay:
                     self._entries[number], layout = _Twist(self._twist), None
                 else:
                     message = roslib.message.get_message_class(kind)
-                    self._entries[number], layout = _Into(self, number, topic, message), wire.layout_of(message)
+                    self._entries[number] = Publication(self.handover, number, _publisher(topic, message))
+                    layout = wire.layout_of(message)
                 self.channel.tell(do="into", number=number, topic=topic, type=kind, layout=layout)
         offered = {name for name, _ in services}
         for name, kind in SERVICES.items():

@@ -38,7 +38,7 @@ class Handover:
 
 
 class Subscription:
-    """Connections to all publishers of a topic, each given away under a number."""
+    """A topic that ROS 2 nodes may listen to. While one does, each publisher's connection is given away."""
 
     def __init__(self, handover: Handover, number: int, topic: str) -> None:
         self._handover, self._number, self._topic = handover, number, topic
@@ -52,7 +52,7 @@ class Subscription:
         """Whether messages come, or none are wanted."""
         return not self._wanted or bool(self._peers)
 
-    def want(self, on: bool) -> None:
+    def listen(self, on: bool) -> None:
         """Begins or ends to listen."""
         self._wanted = on
         threading.Thread(target=self.update, daemon=True).start()  # publishers may be slow to answer
@@ -86,12 +86,15 @@ class Subscription:
 
 
 class Publication(rospy.SubscribeListener):
-    """A topic that this node publishes. The connection of each subscriber is given away under a number."""
+    """A topic that ROS 2 nodes may publish on. The connection of each subscriber is given away."""
 
     def __init__(self, handover: Handover, number: int, publisher: rospy.Publisher) -> None:
         self._handover, self._number, self._impl = handover, number, publisher.impl
         self._given: Dict[int, Any] = {}
         publisher.impl.add_subscriber_listener(self)
+
+    def listen(self, on: bool) -> None:
+        """A ROS 2 node began or ended to publish."""
 
     def peer_subscribe(self, topic_name: str, topic_publish: Any, peer_publish: Any) -> None:
         """A subscriber has connected."""
