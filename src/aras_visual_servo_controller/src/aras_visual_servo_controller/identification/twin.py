@@ -118,8 +118,9 @@ def identify_twin(recording: Recording, scenario: Scenario, payload_link: Option
     with ThreadPoolExecutor(threads) as pool:
         for gains, mass in STARTS:
             fit, x, untold = _fitted(recording, scenario, payload_link, pool, gains, mass)
-            found.append((fit.cost(x), fit, x, untold))
-            if fit.cost(x) < EXPLAINED**2 * fit.samples:
+            cost = fit.cost(x)
+            found.append((cost, fit, x, untold))
+            if cost < EXPLAINED**2 * fit.samples:
                 break
         _, fit, x, untold = min(found, key=lambda each: each[0])
         return fit.twin(x, payload_link, untold)
@@ -191,6 +192,13 @@ class _Fit:
         """Sum of the squares of the residuals, by the noise."""
         return float(np.sum(self._robot.residual(x, self._robot.fit, self._weights)**2))
 
+    def _scaled(self, x):
+        """(weights, residual by them, scale): the residual has the variance 1; the scale is that of the residual by the
+        noise, and 1 if the model explains all but the noise."""
+        now = self._robot.residual(x, self._robot.fit, self._weights)
+        scale = np.sqrt(np.mean(now**2))
+        return self._weights / scale, now / scale, scale
+
     def from_other(self, other: "_Fit", x: np.ndarray) -> np.ndarray:
         """Values that fit best, from those of a fit with other parameters."""
         theirs = dict(zip(other._names, x))
@@ -207,8 +215,7 @@ class _Fit:
         derivatives by static friction predict beside those by all other parameters.
         """
         robot, rows = self._robot, self._robot.fit
-        now = robot.residual(x, rows, self._weights)
-        weights, now = self._weights / np.sqrt(np.mean(now**2)), now / np.sqrt(np.mean(now**2))
+        weights, now, _ = self._scaled(x)
         fitted = np.linalg.qr(self.jacobian(x, rows, weights, now).reshape(-1, len(x)))[0]
         position = self._recording.position[robot.used]
         top = np.max(np.abs(np.gradient(position, self._recording.period_s, axis=0)), axis=0)
@@ -241,8 +248,7 @@ class _Fit:
 
     def weak(self, x: np.ndarray, joints: Iterable[str]) -> Set[str]:
         """Those of the joints whose static friction is not told from none."""
-        now = self._robot.residual(x, self._robot.fit, self._weights)
-        weights, now = self._weights / np.sqrt(np.mean(now**2)), now / np.sqrt(np.mean(now**2))
+        weights, now, _ = self._scaled(x)
         J = self.jacobian(x, self._robot.fit, weights, now).reshape(-1, len(x))
         stddev = np.sqrt(np.diag(np.linalg.inv(J.T @ J + np.eye(len(x)) / PRIOR_RANGES**2))) * self._ranges
         at = {name: self._names.index(name + STRIBECK) for name in joints}
@@ -327,9 +333,7 @@ class _Fit:
         """`Twin` of the fitted values. Args: untold: joints of whose static friction the recording tells nothing."""
         robot, rows, names = self._robot, self._robot.fit, self._names
         for attempt in range(ATTEMPTS):
-            now = robot.residual(x, rows, self._weights)
-            scale = np.sqrt(np.mean(now**2))  # 1 if the model explains all but the noise
-            weights, now = self._weights / scale, now / scale
+            weights, now, scale = self._scaled(x)
             flat = self.jacobian(x, rows, weights, now).reshape(-1, len(x))
             inverse, null = separable(flat)
             # The predicted step, in standard deviations; a parameter at its bound cannot follow.
