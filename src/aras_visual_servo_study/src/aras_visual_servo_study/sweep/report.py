@@ -7,7 +7,7 @@ import base64
 import math
 import shlex
 from pathlib import Path
-from typing import Any, Dict, List, Optional, Sequence, Tuple
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
 from ..files import write_whole
 from ..report.scales import read_off
@@ -47,7 +47,7 @@ def save_report(store: SweepStore, drawing: Optional[Drawing] = None) -> Path:
 def report_html(store: SweepStore, rows: List[Dict[str, Any]], pictures: Dict[str, bytes],
                 axes: Tuple[str, ...]) -> str:
     """The report as one self-contained page, str."""
-    numbers = aggregate(rows)
+    numbers, joints = aggregate(rows), joint_units(store.meta["setup"])
     captions = {name: text.format(distance=plain_label(distance_column(rows)).partition(" [")[0])
                 for name, text in CAPTIONS.items()}
     shown = {name for name in ("curve", "reasons") if name == "curve" or not every_run_succeeds(rows)}
@@ -63,11 +63,11 @@ def report_html(store: SweepStore, rows: List[Dict[str, Any]], pictures: Dict[st
                                                  ("position error [mm]", "error", "mm", "{:.4f}"),
                                                  ("angle [deg]", "angle", "deg", "{:.5f}"))],
         reasons=reasons(rows),
-        maps=sweep_maps(rows, axes, joints=joint_units(store.meta["setup"])), script=script(*MAP_MODULES),
+        maps=sweep_maps(rows, axes, joints=joints), script=script(*MAP_MODULES),
         map=base64.b64encode(pictures["map"]).decode(),
         map_caption=captions["map"], one_colour=every_run_succeeds(rows),
         pictures=[(captions[name], base64.b64encode(png).decode()) for name, png in pictures.items() if name in shown],
-        settings=setting_rows(store.meta), command=repeat_line(store.meta),
+        settings=setting_rows(store.meta, joints), command=repeat_line(store.meta),
         driven=store.meta["setup"]["drive_to_start"], versions=store.meta["versions"])
 
 
@@ -86,11 +86,10 @@ def rate_labels() -> Sequence[Tuple[str, str, str]]:
             ("the law's own stop rule was met", "converged", ""))
 
 
-def setting_rows(meta: Dict[str, Any]) -> List[Tuple[str, str]]:
-    """(name, value) of everything that the sweep varied."""
+def setting_rows(meta: Dict[str, Any], joints: Mapping[str, str] = {}) -> List[Tuple[str, str]]:
+    """(name, value) of everything that the sweep varied. Args: joints: of `joint_units`."""
     settings = meta["settings"]
     rows = [(key, str(settings[key])) for key in ("starts", "method", "space", "seed")]
-    joints = joint_units(meta["setup"]) if "setup" in meta else {}
     for words, ranges in (("range of ", settings["ranges"]), ("goal, range of ", settings["goal"])):
         for key, (low, high) in ranges.items():
             name, factor, unit = read_off(key, joints.get(key, ""))
