@@ -1,4 +1,4 @@
-"""Fits what images of a resting board tell of a moving arm: delay of the images, joint offsets, lens, hand-eye, size.
+"""Fits what images of a resting board tell of a moving arm: image delay, joint offsets, backlash, lens, hand-eye, size.
 
 All views are fitted at once, as bundle adjustment does (Triggs et al., Vision Algorithms, 1999). The joint positions
 are those of the time at which an image was exposed, so that the delay of the images is a parameter like the others.
@@ -14,6 +14,7 @@ from aras_visual_servo import ParameterError, RobotKinematics
 from aras_visual_servo.spatial import exponential, inverse, rotation_vector, rpy_of
 from ..calibration.boards import Board
 from ..calibration.camera import CameraCalibration
+from .advice import LEAST_SPAN
 from .estimates import Estimate, Identified, Unknown, covariance
 from .recording import Recording
 
@@ -33,7 +34,11 @@ IMAGE_DELAY, SIZE = "image_delay_s", "target.size_m"
 INTRINSICS = ("camera.fx", "camera.fy", "camera.cx", "camera.cy")
 HAND_EYE = tuple(f"hand_eye.{key}" for key in ("x", "y", "z", "turn_x", "turn_y", "turn_z"))
 TARGET = tuple(f"target.{key}" for key in ("x", "y", "z", "turn_x", "turn_y", "turn_z"))
-OFFSET = ".offset"
+OFFSET, BACKLASH = ".offset", ".backlash"
+#: Scale of a backlash, and the play with which the search for it begins. [m or rad]
+PLAY, FIRST_PLAY = 0.02, 2e-3
+#: Fits of the backlash; each knows the play of the one before. It is kept above so many of its standard deviations.
+PLAY_ROUNDS, SIGNIFICANT = 3, 5.0
 
 
 @dataclass(frozen=True)
@@ -49,8 +54,8 @@ class SeenArm:
     """What images tell of an arm.
 
     Attributes:
-        identified: `image_delay_s` [s], `JOINT.offset` (true minus reported position [m or rad]), `camera.fx`, fy, cx,
-        cy [px], `hand_eye.x` to `turn_z` (from the model's camera frame to the true one, in the former [m, rad]), and
+        identified: `image_delay_s` [s], `JOINT.offset` (true minus reported position [m or rad]), `JOINT.backlash`
+        where it shows (full play between reported and true position [m or rad]), `camera.fx`, fy, cx, cy [px], `hand_eye.x` to `turn_z` (from the model's camera frame to the true one, in the former [m, rad]), and
         `target.size_m`.
         held_out_px, residual_px: root mean square distance of the corners in the views that were not fitted, and in
         the others [px].
@@ -98,32 +103,34 @@ class _Views:
         self._recording, self._board, self._camera, self._kinematics = recording, board, camera, kinematics
         self._order = [recording.joint_names.index(name) for name in kinematics.joint_names]
         self._times, self._pixels = sightings.times_s, sightings.pixels
-        self._offsets = [name + OFFSET for name in kinematics.joint_names]
-        self._names = (IMAGE_DELAY, *self._offsets, *INTRINSICS, *HAND_EYE, SIZE, *TARGET)
+        self._offsets, self._plays = ([name + end for name in kinematics.joint_names] for end in (OFFSET, BACKLASH))
+        self._names = (IMAGE_DELAY, *self._offsets, *INTRINSICS, *HAND_EYE, SIZE, *TARGET, *self._plays)
         place = [PLACE_M] * 3 + [PLACE_RAD] * 3
         self._scale = np.array([0.02] + [PLACE_RAD] * len(self._offsets) + [PART * camera.K[0, 0]] * 4 + place
-                               + [PART * board.size_m] + place)
+                               + [PART * board.size_m] + place + [PLAY] * len(self._plays))
+        self._reported = recording.position[:, self._order]
+        self._sides = np.zeros_like(self._reported)
         self._fit = np.arange(len(self._times)) < round(len(self._times) * (1.0 - HELD_OUT))
         self._X_BO = kinematics.camera(self._joints(self._times[:1])[0]) @ camera.pose_of(self._pixels[0], board)
 
-    def _joints(self, times):
-        """(f, m) reported positions in the order of the kinematics."""
-        q, stamps = self._recording.position[:, self._order], self._recording.times_s
+    def _joints(self, times, plays=0.0):
+        """(f, m) reported positions in the order of the kinematics, less half of the plays (m,) on the side of motion."""
+        q, stamps = self._reported - 0.5 * plays * self._sides, self._recording.times_s
         return np.column_stack([np.interp(times, stamps, column) for column in q.T])
 
     def _parts(self, x):
-        """(delay, offsets, intrinsics, X_CC, size, X_BO) of all parameters in units of their scales."""
+        """(delay, offsets, intrinsics, X_CC, size, X_BO, plays) of all parameters in units of their scales."""
         v, m = x * self._scale, len(self._offsets)
         intrinsics = self._camera.intrinsics.copy()
         intrinsics[:4] += v[1 + m:5 + m]
         return (v[0], v[1:1 + m], intrinsics, exponential(v[5 + m:11 + m]), self._board.size_m + v[11 + m],
-                self._X_BO @ exponential(v[12 + m:18 + m]))
+                self._X_BO @ exponential(v[12 + m:18 + m]), v[18 + m:])
 
     def errors(self, x, rows):
         """(f, n, 2) projected minus seen [px]."""
-        delay, offsets, intrinsics, X_CC, size, X_BO = self._parts(x)
+        delay, offsets, intrinsics, X_CC, size, X_BO, plays = self._parts(x)
         points = self._board.points_m * (size / self._board.size_m)
-        joints = self._joints(self._times[rows] - delay) + offsets
+        joints = self._joints(self._times[rows] - delay, plays) + offsets
         poses = [inverse(self._kinematics.camera(q) @ X_CC) @ X_BO for q in joints]
         return np.stack([self._camera.project(points, X_CO, intrinsics) for X_CO in poses]) - self._pixels[rows]
 
@@ -143,14 +150,14 @@ class _Views:
         """`SeenArm` of the fitted values."""
         rows, k = np.nonzero(self._fit)[0], len(self._names)
         few = rows[::max(1, len(rows) // FEWEST_VIEWS)]
-        plain = np.array([name not in (*self._offsets, *INTRINSICS, SIZE) for name in self._names])
+        plain = np.array([name not in (*self._offsets, *self._plays, *INTRINSICS, SIZE) for name in self._names])
 
         def begun(delay):
             x = np.zeros(k)
             x[0] = delay / self._scale[0]
             return self._solve(x, plain, few)
         x = min((begun(delay) for delay in STARTS_S), key=lambda each: each[2])[0]
-        free, unknown = np.ones(k, dtype=bool), {}
+        free, unknown = np.array([name not in self._plays for name in self._names]), {}
         x, jac, _ = self._solve(x, free, rows)
         # Offsets give way to the places of camera and board, which are what is wanted.
         for group in (self._offsets, (*INTRINSICS, SIZE), (IMAGE_DELAY, *HAND_EYE)):
@@ -160,26 +167,53 @@ class _Views:
                 gone = np.array([name in lost for name in self._names])
                 x, free = np.where(gone, 0.0, x), free & ~gone
                 x, jac, _ = self._solve(x, free, rows)
+        x, jac, free = self._with_backlash(x, jac, free, rows)
         names = [name for name, each in zip(self._names, free) if each]
-        error, n = self.errors(x, rows), len(rows)
-        groups = np.repeat(np.arange(error[0].size), n)
-        by_point = jac.reshape(n, -1, len(names)).transpose(1, 0, 2).reshape(-1, len(names))
-        variance = float(np.mean(error**2))
-        back = np.linalg.solve(by_point.T @ by_point + variance * np.eye(len(names)), by_point.T)
-        stddev = np.sqrt(np.diag(covariance(back, error.reshape(n, -1).T.ravel(), groups, LAGS)))
-        delay, offsets, intrinsics, X_CC, size, _ = self._parts(x)
+        delay, offsets, intrinsics, X_CC, size, _, plays = self._parts(x)
         turn = rotation_vector(X_CC[:3, :3])
-        values = dict(zip(self._names, (delay, *offsets, *intrinsics[:4], *X_CC[:3, 3], *turn, size)))
-        units = dict(zip(self._names, ("s", *["m or rad"] * len(offsets), *["px"] * 4, *["m"] * 3, *["rad"] * 3, "m")))
-        scale = dict(zip(self._names, self._scale))
-        estimates = {name: Estimate(float(values[name]), float(s * scale[name]), units[name])
-                     for name, s in zip(names, stddev) if name not in TARGET}
+        wanted, joints = [name for name in self._names if name not in TARGET], ["m or rad"] * len(offsets)
+        values = dict(zip(wanted, (delay, *offsets, *intrinsics[:4], *X_CC[:3, 3], *turn, size, *plays)))
+        units = dict(zip(wanted, ("s", *joints, *["px"] * 4, *["m"] * 3, *["rad"] * 3, "m", *joints)))
+        estimates = {name: Estimate(float(values[name]), float(stddev), units[name])
+                     for name, stddev in zip(names, self._stddev(x, jac, free, rows)) if name in values}
+        error = self.errors(x, rows)
         held = np.nonzero(~self._fit)[0]
         K = np.array([[intrinsics[0], 0.0, intrinsics[2]], [0.0, intrinsics[1], intrinsics[3]], [0.0, 0.0, 1.0]])
         rms = _rms(error)
         return SeenArm(Identified(estimates, [Unknown(name, others, _motion(name)) for name, others in unknown.items()],
                                   {"images": rms}),
                        _rms(self.errors(x, held)), rms, replace(self._camera, K=K), X_CC)
+
+    def _stddev(self, x, jac, free, rows):
+        """(k,) standard deviations of the free parameters in their units."""
+        error, n, k = self.errors(x, rows), len(rows), np.count_nonzero(free)
+        groups = np.repeat(np.arange(error[0].size), n)
+        by_point = jac.reshape(n, -1, k).transpose(1, 0, 2).reshape(-1, k)
+        variance = float(np.mean(error**2))
+        back = np.linalg.solve(by_point.T @ by_point + variance * np.eye(k), by_point.T)
+        return np.sqrt(np.diag(covariance(back, error.reshape(n, -1).T.ravel(), groups, LAGS))) * self._scale[free]
+
+    def _with_backlash(self, x, jac, free, rows):
+        """(values, Jacobian, free parameters) with the backlash of each joint that shows it.
+
+        The reported position is that of the motor. The link follows it at the end of the play.
+        """
+        plays = np.array([name in self._plays for name in self._names])
+        moved = np.isin(self._names, [name for name, span in zip(self._plays, np.ptp(self._reported, axis=0))
+                                      if span > LEAST_SPAN])
+        wider, begun = free | (plays & moved), x
+        while np.any(wider & plays):
+            for _ in range(PLAY_ROUNDS):
+                width = np.maximum(begun[plays] * self._scale[plays], FIRST_PLAY)
+                self._sides = 2.0 * (self._reported - _followed(self._reported, width)) / width
+                begun, wide, _ = self._solve(begun, wider, rows)
+            stddev = np.full(len(free), np.inf)
+            stddev[wider] = self._stddev(begun, wide, wider, rows)
+            weak = wider & plays & (begun * self._scale < SIGNIFICANT * stddev)
+            if not np.any(weak):
+                return begun, wide, wider
+            wider, begun = wider & ~weak, np.where(weak, 0.0, begun)
+        return x, jac, free
 
     def _open(self, names, jac, x, rows, group):
         """Name -> those it cannot be told from, of the parameters of a group that the views tell no better than the
@@ -190,6 +224,14 @@ class _Views:
         shared = np.abs(after / np.outer(spread, spread)) > SHARED
         return {name: tuple(names[j] for j in range(len(names)) if j != i and shared[i, j] and spread[j] > TOLD)
                 for i, name in enumerate(names) if spread[i] > TOLD and name in group}
+
+
+def _followed(q: np.ndarray, width: np.ndarray) -> np.ndarray:
+    """(n, m) positions of links that follow motors at positions (n, m) through plays (m,), from the middle of them."""
+    followed, half = q.copy(), 0.5 * width
+    for k in range(1, len(q)):
+        followed[k] = np.clip(followed[k - 1], q[k] - half, q[k] + half)
+    return followed
 
 
 def _rms(error: np.ndarray) -> float:

@@ -22,8 +22,8 @@ FOCUS = np.array([4.0, -3.0, 2.5, -1.5])
 X_CC = exponential(np.array([0.006, -0.004, 0.008, 0.01, -0.02, 0.015]))
 
 
-def seen(moving, seconds=12.0):
-    """(recording, sightings, true offsets) of a motion of the joints `moving` of a UR5e."""
+def seen(moving, seconds=12.0, backlash=None):
+    """(recording, sightings, true offsets) of a motion of the joints `moving` of a UR5e, some with a backlash."""
     arm = load_scenario("ur5e")
     kinematics = arm.kinematics()
     rng, home = np.random.default_rng(3), arm.goal_posture(kinematics)
@@ -34,7 +34,11 @@ def seen(moving, seconds=12.0):
     q = home + swing * np.array([name in moving for name in names])
     X_BO = kinematics.camera(home) @ transform(np.eye(3), np.array([-0.05, -0.05, 0.4]))
     stamps = np.arange(0.7, seconds - 0.1, 0.2)
-    at = np.column_stack([np.interp(stamps - DELAY_S, times, column) for column in q.T]) + offsets
+    half = 0.5 * np.array([(backlash or {}).get(name, 0.0) for name in names])
+    link = q.copy()
+    for k in range(1, len(q)):
+        link[k] = np.minimum(np.maximum(link[k - 1], q[k] - half), q[k] + half)
+    at = np.column_stack([np.interp(stamps - DELAY_S, times, column) for column in link.T]) + offsets
     points = BOARD.points_m * (SIZE_M / BOARD.size_m)
     true = CAMERA.intrinsics + np.append(FOCUS, np.zeros(5))
     pixels = np.stack([CAMERA.project(points, inverse(kinematics.camera(row) @ X_CC) @ X_BO, true) for row in at])
@@ -63,6 +67,19 @@ def test_delay_zeros_lens_hand_eye_and_size_are_in_their_intervals_and_what_is_o
     X_FC = exponential(np.full(6, 0.1))
     np.testing.assert_allclose(found.hand_eye(X_FC)["position_m"], (X_FC @ X_CC)[:3, 3], atol=2e-3)
     assert found.camera.K[0, 0] == pytest.approx(404.0, abs=1.0)
+
+
+def test_backlash_is_told_where_the_joints_have_it_and_nowhere_else():
+    names = load_scenario("ur5e").kinematics().joint_names
+    truth = {"shoulder_pan_joint": 0.012, "elbow_joint": 0.004, "wrist_3_joint": 0.02}
+    recording, sightings, kinematics, offsets = seen(names, backlash=truth)
+    found = identify_images(recording, sightings, BOARD, CAMERA, kinematics)
+    told = {name[:-9]: each for name, each in found.identified.estimates.items() if name.endswith(".backlash")}
+    assert set(told) == set(truth)
+    for name, each in told.items():
+        assert abs(each.value - truth[name]) < 4.0 * each.stddev < 2e-3, (name, each)
+    assert abs(found.identified.estimates["elbow_joint.offset"].value - 0.02) < 2e-3
+    assert found.held_out_px < 1.3 * np.sqrt(2.0) * NOISE_PX
 
 
 def test_the_overlay_puts_the_camera_where_the_images_have_it():
