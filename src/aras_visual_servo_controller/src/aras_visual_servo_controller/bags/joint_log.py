@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
+from scipy.interpolate import BPoly
 
 from aras_visual_servo import ParameterError
 from .any_bag import AnyBag, duration_s, stamp_s
@@ -11,7 +12,9 @@ from .any_bag import AnyBag, duration_s, stamp_s
 JOINT_STATE = "sensor_msgs/JointState"
 ONE, MANY, TRAJECTORY = "std_msgs/Float64", "std_msgs/Float64MultiArray", "trajectory_msgs/JointTrajectory"
 #: Set points between the points of a trajectory are taken at this distance. [s]
-TRAJECTORY_STEP_S = 0.01
+TRAJECTORY_STEP_S = 0.002
+#: An arm that rests nearer than this to the first point of its first trajectory was told to be there. [m or rad]
+NEAR = 0.05
 #: The recorder's clock is that of the stamps if messages arrive within this time. [s]
 MOST_LATE_S = 5.0
 
@@ -155,22 +158,35 @@ def _joint_of(topic, controllers):
 
 
 def _points(messages, states):
-    """(stamp, positions by joint) of the set points that a driver interpolates; a new trajectory replaces the old one,
-    and the first one starts where the arm is."""
+    """(stamp, positions by joint) of the set points that a driver interpolates; a new trajectory replaces the old one.
+
+    Between two points is the polynomial of ros_controllers: of order 1, 3 or 5, as the points have velocities and
+    accelerations. Nobody knows where an arm that is not near the first point was told to be. Its set points begin with
+    this point if others follow, and where the arm is otherwise.
+    """
     events, stamps = [], [stamp_s(state) for state, _ in states]
     for k, (message, at) in enumerate(messages):
         start = stamp_s(message) or at
         until = (stamp_s(messages[k + 1][0]) or messages[k + 1][1]) if k + 1 < len(messages) else np.inf
         times = np.array([duration_s(point.time_from_start) for point in message.points])
-        places = np.array([point.positions for point in message.points], dtype=float)
         if not len(times):
             continue
+        keys = [key for key in ("positions", "velocities", "accelerations")
+                if all(len(getattr(point, key)) for point in message.points)]
+        knots = np.array([[getattr(point, key) for key in keys] for point in message.points], dtype=float)
         if times[0] > 0.0:
             state = states[min(int(np.searchsorted(stamps, start)), len(states) - 1)][0]
-            before = events[-1][1] if events else dict(zip(state.name, state.position))
-            times, places = np.r_[0.0, times], np.vstack([[before[name] for name in message.joint_names], places])
+            measured = dict(zip(state.name, state.position))
+            near = all(abs(measured[name] - place) < NEAR for name, place in zip(message.joint_names, knots[0, 0]))
+            before = events[-1][1] if events else dict(zip(message.joint_names, knots[0, 0])) if near else measured
+            if events or near or len(times) == 1:
+                rest = np.zeros_like(knots[:1])
+                rest[0, 0] = [before[name] for name in message.joint_names]
+                times, knots = np.r_[0.0, times], np.vstack([rest, knots])
         grid = np.unique(np.r_[np.arange(times[0], times[-1], TRAJECTORY_STEP_S), times[-1]])
-        path = np.column_stack([np.interp(grid, times, column) for column in places.T])
+        # The driver's set point moves on; one that is held here is that of the middle.
+        middle = np.minimum(grid + 0.5 * TRAJECTORY_STEP_S, times[-1])
+        path = BPoly.from_derivatives(times, knots)(middle) if len(times) > 1 else knots[:, 0]
         events += [(start + t, dict(zip(message.joint_names, row))) for t, row in zip(grid.tolist(), path.tolist())
                    if start + t < until]
     return events

@@ -74,6 +74,25 @@ def test_a_trajectory_is_interpolated_from_where_the_arm_is(tmp_path):
     np.testing.assert_allclose(found.told[-1], (2.0, 4.0))
 
 
+def test_a_trajectory_goes_through_its_velocities_and_waits_where_the_arm_was_told_to_be(tmp_path):
+    message = JointTrajectory(joint_names=["J1", "J2"])
+    message.points = [JointTrajectoryPoint(positions=[1.0, 2.0 + 3.0 * k], velocities=[0.0, 0.0],
+                                           time_from_start=rospy.Duration(1.0 + k)) for k in range(2)]
+
+    def told(sagged):
+        rest = [("/arm/joint_states", state(t, (1.0, 2.0 + sagged)), t) for t in TIMES]
+        name = f"{sagged}.bag"
+        found = log(write(tmp_path / name, rest + [("/arm/arm_controller/command", message, 100.5)]))
+        return found.told_s, found.told
+    times, values = told(0.02)
+    np.testing.assert_allclose(values[times < 101.5], np.tile((1.0, 2.0), (np.count_nonzero(times < 101.5), 1)),
+                               atol=2e-5)
+    part = np.clip(times + 0.001 - 101.5, 0.0, 1.0)
+    np.testing.assert_allclose(values[:, 1], 2.0 + 3.0 * part**2 * (3.0 - 2.0 * part), atol=1e-5)
+    times, values = told(0.2)
+    assert times[0] == pytest.approx(101.5) and values[-1].tolist() == [1.0, 5.0]
+
+
 def test_two_arms_and_other_joints_are_named(tmp_path):
     both = write(tmp_path / "two.bag", states("/left/joint_states") + states("/right/joint_states"))
     with pytest.raises(ParameterError, match="/left/joint_states, /right/joint_states"):
