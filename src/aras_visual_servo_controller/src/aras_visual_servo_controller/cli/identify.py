@@ -3,9 +3,11 @@
 import json
 import math
 import os
+import sys
+import time
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
-from typing import Any, Dict, Iterator, List, Tuple
+from typing import Any, Callable, Dict, Iterator, List, Tuple
 
 import numpy as np
 import yaml
@@ -79,7 +81,7 @@ def _identified(arguments: Namespace, scenario: Scenario) -> Dict[str, str]:
     from ..identification.twin import identify_twin
     recording, notes = _recording(arguments, scenario)
     seen = _seen(arguments, scenario, recording)
-    twin = identify_twin(recording, scenario, arguments.payload)
+    twin = identify_twin(recording, scenario, arguments.payload, progress=_progress() if sys.stderr.isatty() else None)
     found = twin.identified
     if seen is not None:
         found = Identified({**found.estimates, **seen.identified.estimates}, found.unknown + seen.identified.unknown,
@@ -123,6 +125,15 @@ def _identified(arguments: Namespace, scenario: Scenario) -> Dict[str, str]:
     if twin.converged:
         made[OVERLAY] = _overlay(arguments, scenario, section, remarks)
     return {**made, PAGE: page, NUMBERS: json.dumps(numbers, indent=1) + "\n"}
+
+
+def _progress() -> Callable[[float, float], None]:
+    begun = time.monotonic()
+
+    def told(seconds: float, error: float) -> None:
+        print(f"{time.monotonic() - begun:5.0f} s: fitting {seconds:3.0f} s of the recording, error "
+              f"{error:.3g} times the noise   ", end="\r", file=sys.stderr, flush=True)
+    return told
 
 
 def _rows(estimates: Dict[str, Estimate]) -> List[Dict[str, str]]:

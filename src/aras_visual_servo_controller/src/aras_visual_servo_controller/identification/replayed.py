@@ -8,12 +8,19 @@ import numpy as np
 
 from aras_visual_servo import ParameterError, Scenario, simulation_of
 from .advice import LEAST_SPAN
-from .recording import FEWEST_SAMPLES, Recording
+from .recording import FEWEST_SAMPLES, Commands, Recording
 
 #: The arm rests this long under its own weight before the first command. [s]
 SETTLE_S = 1.0
-#: Joint states earlier than this after the first command are not fitted: what moved before is not known. [s]
+#: The place where it rested is the mean of so long before the first command. [s]
+REST_S = 0.5
+#: A joint that rests nearer than this to its first command was told that before, too. [m or rad]
+NEAR = 0.1
+#: Joint states earlier than this after the first change of a command are not fitted: what moved before is not known,
+#: nor on which side of their friction the joints rest. [s]
 LEAD_S = 0.5
+#: A command has changed if it differs from the first one by more than this part of the range of its values.
+CHANGED = 0.01
 #: Part of the recording, its end, that is not fitted.
 HELD_OUT = 0.25
 #: Length of the first part of the recording, with which a fit begins. [s]
@@ -101,10 +108,8 @@ class ReplayedRobot:
         self._gravity = np.array(scenario.sim.get("gravity_m_s2", EARTH), dtype=float)
         self._loops = {section["joint"]: section["pid"] for section in scenario.controllers().values()
                        if isinstance(section, dict) and "pid" in section and "joint" in section}
-        # Velocities are integrated from a set point that no message tells.
         self._placed = [section["joint"] for section in scenario.controllers().values() if isinstance(section, dict)
-                        and section.get("joint") in self.names and section["type"].endswith("JointPositionController")
-                        ] if recording.commands is not None and recording.commands.kind == "velocity" else []
+                        and section.get("joint") in self.names and section["type"].endswith("JointPositionController")]
         self.velocity_loops = {section["joint"] for section in scenario.controllers().values()
                                if isinstance(section, dict) and "joint" in section
                                and section["type"].endswith("JointVelocityController")}
@@ -113,13 +118,17 @@ class ReplayedRobot:
         if faults:
             raise ParameterError(faults)
         self._order: Optional[List[int]] = None
-        stamps = recording.commands.times_s
+        commands = recording.commands
+        stamps = commands.times_s
         self.start_s = stamps[0]
-        used = np.nonzero(recording.times_s >= stamps[0] + LEAD_S)[0]
+        used = np.nonzero(recording.times_s >= _moves_at(commands) + LEAD_S)[0]
         self.used, self.fit = used, used[:int(round(len(used) * (1.0 - HELD_OUT)))]
         self.first = self.fit[:max(int(FIRST_S / recording.period_s), FEWEST_SAMPLES)]
-        before = recording.times_s <= stamps[0]
+        before = (recording.times_s <= stamps[0]) & (recording.times_s > stamps[0] - REST_S)
         self._rest = recording.position[before].mean(axis=0) if np.any(before) else recording.position[0]
+        #: Where the joints were told to be before: velocities are integrated from a set point that no message tells.
+        first = commands.values[0] if commands.kind == "position" else self._rest
+        self._told_before = np.where(np.abs(first - self._rest) < NEAR, first, self._rest)
         self._limits = {joint.get("name"): [float(limit.get(key, 0.0)) for key in ("lower", "upper")]
                         for joint in urdf.findall("joint") for limit in joint.findall("limit")
                         if joint.get("type") in ("revolute", "prismatic")}
@@ -140,10 +149,10 @@ class ReplayedRobot:
         if recording.commands is None:
             faults.append("commands: found none, allowed positions or velocities of all joints")
         else:
-            late = int(np.count_nonzero(recording.times_s >= recording.commands.times_s[0] + LEAD_S))
+            late = int(np.count_nonzero(recording.times_s >= _moves_at(recording.commands) + LEAD_S))
             if late < FEWEST_SAMPLES:
-                faults.append(f"times_s: found {late} joint states later than {LEAD_S} s after the first command, "
-                              f"allowed at least {FEWEST_SAMPLES}")
+                faults.append(f"times_s: found {late} joint states later than {LEAD_S} s after the first change of a "
+                              f"command, allowed at least {FEWEST_SAMPLES}")
         if np.all(np.ptp(recording.position, axis=0) <= LEAST_SPAN):
             faults.append(f"position: found motions of at most {np.ptp(recording.position, axis=0).max():.2g}, allowed "
                           f"more than {LEAST_SPAN} m or rad of one joint")
@@ -218,7 +227,7 @@ class ReplayedRobot:
             **(self._scenario.robot.get("dynamics") or {}), **section["robot"]["dynamics"]}},
             sim={**self._scenario.sim, **section["sim"],
                  "initial_positions": {**self._scenario.sim.get("initial_positions", {}),
-                                       **{name: values.get(name + START, rest)
+                                       **{name: rest if name in self._placed else values.get(name + START, rest)
                                           for name, rest in zip(self.names, self._rest.tolist())}}})
 
     def replay(self, x: np.ndarray, rows: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
@@ -230,7 +239,8 @@ class ReplayedRobot:
             self._order = [there.index(name) for name in self.names]
         period = sim.period_ns * 1e-9
         if self._placed:
-            sim.set_command(position={name: values[name + START] for name in self._placed})
+            told_before = dict(zip(self.names, self._told_before.tolist()))
+            sim.set_command(position={name: values.get(name + START, told_before[name]) for name in self._placed})
         sim.step(int(round(SETTLE_S / period)))
         commands = self._recording.commands
         told = np.round((commands.times_s - self.start_s) / period).astype(int)
@@ -263,3 +273,9 @@ class ReplayedRobot:
             assert self._recording.velocity is not None
             channels.append(self._recording.velocity[rows] - v)
         return np.hstack(channels).T * weights[:, None]
+
+
+def _moves_at(commands: Commands) -> float:
+    """Stamp of the first command that differs from the first one; of the first one if all are equal."""
+    changes = np.abs(commands.values - commands.values[0]) > CHANGED * np.ptp(commands.values, axis=0)
+    return float(commands.times_s[np.argmax(np.any(changes, axis=1))])

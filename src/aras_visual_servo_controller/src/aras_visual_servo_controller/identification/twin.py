@@ -35,8 +35,11 @@ MOST_SCALING = 1.0
 #: Iterations end when the cost, a sum of squares of variance 1, falls by less than this; with the first part of the
 #: recording, by less than this for each sample.
 SETTLED, ENOUGH = 0.1, 0.01
-#: The noise of a joint is at least this part of that of the median one.
-LEAST_NOISE = 0.2
+#: The noise of a joint is at least this part of that of the median one, and this: no encoder is finer, and recordings
+#: of a simulator have none. [m, rad or per s]
+LEAST_NOISE, FINEST = 0.2, 1e-5
+#: Residuals are taken to be at least this part of the noise.
+LEAST_SCALE = 0.1
 #: A fit has converged if the minimum that its derivatives predict is nearer than this, in standard deviations of the
 #: farthest direction. Set points that jump leave ripples of about half of it.
 CONVERGED = 1.0
@@ -102,7 +105,7 @@ class Twin:
 
 
 def identify_twin(recording: Recording, scenario: Scenario, payload_link: Optional[str] = None,
-                  threads: int = 2) -> Twin:
+                  threads: int = 2, progress: Optional[Callable[[float, float], None]] = None) -> Twin:
     """Returns the robot of a scenario as a recording has it.
 
     The names are `JOINT.damping`, `JOINT.friction` and gains `JOINT.p`, `.i`, `.d` of each joint with a PID loop,
@@ -112,12 +115,14 @@ def identify_twin(recording: Recording, scenario: Scenario, payload_link: Option
     `JOINT.stribeck_velocity`.
 
     Args: scenario: with the model of the robot and its controllers.  threads: that simulate at the same time.
+    progress: called after each iteration with (seconds of the recording that it fits, root mean square error by the
+    noise), or None.
     Raises: ParameterError: no commands, too short, other joints than the robot's, no PID loop, no motion.
     """
     found: List[Tuple[float, _Fit, np.ndarray, List[str]]] = []
     with ThreadPoolExecutor(threads) as pool:
         for gains, mass in STARTS:
-            fit, x, untold = _fitted(recording, scenario, payload_link, pool, gains, mass)
+            fit, x, untold = _fitted(recording, scenario, payload_link, pool, gains, mass, progress)
             cost = fit.cost(x)
             found.append((cost, fit, x, untold))
             if cost < EXPLAINED**2 * fit.samples:
@@ -127,12 +132,13 @@ def identify_twin(recording: Recording, scenario: Scenario, payload_link: Option
 
 
 def _fitted(recording: Recording, scenario: Scenario, payload_link: Optional[str], pool: ThreadPoolExecutor,
-            gains: float, mass: float) -> Tuple["_Fit", np.ndarray, List[str]]:
+            gains: float, mass: float, progress: Optional[Callable[[float, float], None]]
+            ) -> Tuple["_Fit", np.ndarray, List[str]]:
     """(fit, values that fit best, joints of whose static friction the recording tells nothing) from one start."""
     speeds: Dict[str, float] = {}
 
     def fit_of(more: Dict[str, float]) -> _Fit:
-        return _Fit(recording, ReplayedRobot(recording, scenario, payload_link, {**speeds, **more}), pool)
+        return _Fit(recording, ReplayedRobot(recording, scenario, payload_link, {**speeds, **more}), pool, progress)
     fit = fit_of({})
     x = fit.minimum(gains, mass)
     while True:
@@ -154,8 +160,8 @@ def _fitted(recording: Recording, scenario: Scenario, payload_link: Optional[str
 
 
 class _Fit:
-    def __init__(self, recording, robot, pool):
-        self._recording, self._robot, self._pool = recording, robot, pool
+    def __init__(self, recording, robot, pool, progress):
+        self._recording, self._robot, self._pool, self._progress = recording, robot, pool, progress
         self._start, self._ranges, self._least = (np.array([getattr(each, key) for each in robot.parameters])
                                                   for key in ("start", "range", "least"))
         self._names = [each.name for each in robot.parameters]
@@ -193,10 +199,10 @@ class _Fit:
         return float(np.sum(self._robot.residual(x, self._robot.fit, self._weights)**2))
 
     def _scaled(self, x):
-        """(weights, residual by them, scale): the residual has the variance 1; the scale is that of the residual by the
-        noise, and 1 if the model explains all but the noise."""
+        """(weights, residual by them, scale): the residual has the variance 1, or less where it is far below the noise;
+        the scale is that of the residual by the noise, and 1 if the model explains all but the noise."""
         now = self._robot.residual(x, self._robot.fit, self._weights)
-        scale = np.sqrt(np.mean(now**2))
+        scale = max(float(np.sqrt(np.mean(now**2))), LEAST_SCALE)
         return self._weights / scale, now / scale, scale
 
     def from_other(self, other: "_Fit", x: np.ndarray) -> np.ndarray:
@@ -283,6 +289,9 @@ class _Fit:
         now = self._robot.residual(x, rows, weights)
         enough = ENOUGH * now.size if follow or len(weights) < len(self._weights) else SETTLED
         for _ in range(rounds):
+            if self._progress is not None:
+                by_noise = now * (self._weights[:len(weights)] / weights)[:, None]
+                self._progress(len(rows) * self._recording.period_s, float(np.sqrt(np.mean(by_noise**2))))
             if follow:
                 rms = np.sqrt(np.mean(now**2, axis=1))
                 change = 1.0 / np.maximum(rms, 1e-9 * rms.max())
@@ -441,4 +450,4 @@ def _noise(values: np.ndarray) -> np.ndarray:
     """Standard deviation of white noise on columns that are smooth otherwise, (m,), by their third differences."""
     noise = np.sqrt(np.mean(np.diff(values, 3, axis=0)**2, axis=0) / 20.0)
     # A joint that rests between two steps of its encoder shows none.
-    return np.maximum(noise, max(LEAST_NOISE * float(np.median(noise)), 1e-9))
+    return np.maximum(noise, max(LEAST_NOISE * float(np.median(noise)), FINEST))

@@ -37,8 +37,9 @@ def scenario(folder, dynamics=None, **sim):
     return Scenario("two", "", robot, sim, {}, {}, {}, {})
 
 
-def recording(folder, rng, kind, still=(), seconds=4.0, back=None, **more):
-    """With `back`, J2 moves one way at a constant speed, and back after this part of the time."""
+def recording(folder, rng, kind, still=(), seconds=4.0, back=None, hold_s=0.0, **more):
+    """With `back`, J2 moves one way at a constant speed, and back after this part of the time. The arm is told first to
+    stay where it was told to be for hold_s."""
     loops = {name: {key: TRUTH[f"{name}.{key}"] for key in "pd"} for name in ("J1", "J2")}
     dynamics = {"loops": loops, **{key: {name: TRUTH[f"{name}.{key}"] for name in loops}
                                    for key in ("damping", "friction")}, **more}
@@ -46,9 +47,9 @@ def recording(folder, rng, kind, still=(), seconds=4.0, back=None, **more):
                                  command_delay_s=TRUTH["command_delay_s"]))
     sim.step(1000)
     rows, stamps, values = [], [], []
-    for k in range(int(seconds * 100)):
+    for k in range(int((seconds + hold_s) * 100)):
         if k >= 50:
-            t = (k - 50) / 100
+            t = max((k - 50) / 100 - hold_s, 0.0)
             wave = np.array([0.5, 0.4]) * np.sin(np.array([2.3, 3.1]) * t) + np.array([0.1, -0.1]) * np.sin(7.7 * t)
             slope = np.array([1.15, 1.24]) * np.cos(np.array([2.3, 3.1]) * t)
             slope += np.array([0.77, -0.77]) * np.cos(7.7 * t)
@@ -66,9 +67,12 @@ def recording(folder, rng, kind, still=(), seconds=4.0, back=None, **more):
                      commands=Commands(kind, np.array(stamps), np.array(values)))
 
 
-@pytest.mark.parametrize("kind", ["velocity", "position"])
-def test_secret_parameters_are_in_their_intervals_and_the_twin_repeats_what_was_not_fitted(tmp_path, kind):
-    twin = identify_twin(recording(tmp_path, np.random.default_rng(4), kind), scenario(tmp_path))
+@pytest.mark.parametrize("kind, hold_s", [("velocity", 0.0), ("position", 0.0), ("position", 2.0)])
+def test_secret_parameters_are_in_their_intervals_and_the_twin_repeats_what_was_not_fitted(tmp_path, kind, hold_s):
+    told = []
+    twin = identify_twin(recording(tmp_path, np.random.default_rng(4), kind, hold_s=hold_s), scenario(tmp_path),
+                         progress=lambda *each: told.append(each))
+    assert told[0][1] > told[-1][1] and told[-1] == pytest.approx((2.6, 0.8), rel=0.4)
     found = twin.identified
     assert [each.name for each in found.unknown] == ["joint_state_delay_s"] and set(found.estimates) == set(TRUTH)
     off = {name: (found.estimates[name].value - value) / found.estimates[name].stddev for name, value in TRUTH.items()}
