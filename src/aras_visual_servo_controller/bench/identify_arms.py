@@ -1,6 +1,10 @@
 """Identifies simulated arms with secret parameters, and counts the truths within their 95 % intervals.
 
     python3 src/aras_visual_servo_controller/bench/identify_arms.py --arms iiwa7 so101 --count 100 --seconds 12
+    python3 src/aras_visual_servo_controller/bench/identify_arms.py --arms my_arm/scenario.yaml --commands position
+
+Commands are velocities or, with `--commands position`, the set points of the motion that `aras-servo identify --excite`
+designs; the arm rests at its beginning for 3 s.
 """
 import argparse
 import json
@@ -12,6 +16,7 @@ import numpy as np
 
 from aras_visual_servo import load_scenario, simulation_of
 from aras_visual_servo_controller import Commands, Recording, identify_twin
+from aras_visual_servo_controller.identification.excite import design
 
 #: Standard deviations of the joint states. [rad, rad/s]
 NOISE, SPEED_NOISE = 1e-4, 1e-3
@@ -52,7 +57,7 @@ def draw(rng, names, effort):
     return truth
 
 
-def record(rng, arm, truth, seconds):
+def record(rng, arm, truth, seconds, kind):
     """(scenario of the model, `Recording` of an arm with these true parameters, link of the payload)."""
     scenario, names, _, last = model(arm)
     values = {key: {name: truth[f"{name}.{key}"] for name in names} for key in ("damping", "friction", "p", "d")}
@@ -66,12 +71,9 @@ def record(rng, arm, truth, seconds):
         "command_delay_s": truth["command_delay_s"]}))
     order = [list(sim.joint_names).index(name) for name in names]
     kinematics = scenario.kinematics(calibrated=False)
-    start = sim.joint_positions[order]
-    room = np.clip(np.minimum(kinematics.upper - start, start - kinematics.lower), 0.1, 1.0)
-    hertz = HERTZ[:, None] * rng.uniform(0.8, 1.2, (len(HERTZ), len(names)))
-    height = PARTS[:, None] * rng.uniform(0.6, 1.2, hertz.shape) * room
-    phase = rng.uniform(0.0, 2.0 * np.pi, hertz.shape)
-    rows, stamps, speeds = [], [], []
+    goal = waves(rng, kinematics, sim.joint_positions[order]) if kind == "velocity" else \
+        designed(scenario, seconds, int(rng.integers(2**31)))
+    rows, stamps, values = [], [], []
 
     def step():
         sim.step(10)
@@ -79,25 +81,37 @@ def record(rng, arm, truth, seconds):
     for _ in range(int(REST_S * 100)):
         step()
     for k in range(int(seconds * 100)):
-        t = k / 100
-        circular = 2.0 * np.pi * hertz
-        speed = min(t / 2.0, 1.0) * np.sum(height * circular * np.cos(circular * t + phase), axis=0)
         stamps.append(sim.time_s)
-        speeds.append(speed)
-        sim.set_command(velocity=dict(zip(names, speed)))
+        values.append(goal(k / 100))
+        sim.set_command(**{kind: dict(zip(names, values[-1]))})
         step()
     times, q, v = (np.array(column) for column in zip(*rows))
     return scenario, Recording(tuple(names), times, q + rng.normal(0.0, NOISE, q.shape),
                                v + rng.normal(0.0, SPEED_NOISE, v.shape),
-                               commands=Commands("velocity", np.array(stamps), np.array(speeds))), last
+                               commands=Commands(kind, np.array(stamps), np.array(values))), last
 
 
-def trial(seed, arm, seconds):
+def waves(rng, kinematics, start):
+    """Time -> velocities (m,) of sines about the start, within the limits."""
+    room = np.clip(np.minimum(kinematics.upper - start, start - kinematics.lower), 0.1, 1.0)
+    circular = 2.0 * np.pi * HERTZ[:, None] * rng.uniform(0.8, 1.2, (len(HERTZ), len(start)))
+    height = PARTS[:, None] * rng.uniform(0.6, 1.2, circular.shape) * room
+    phase = rng.uniform(0.0, 2.0 * np.pi, circular.shape)
+    return lambda t: min(t / 2.0, 1.0) * np.sum(height * circular * np.cos(circular * t + phase), axis=0)
+
+
+def designed(scenario, seconds, seed):
+    """Time -> positions (m,) of the designed motion."""
+    motion = design(scenario, seconds, seed)
+    return lambda t: np.array([np.interp(t, motion.times_s, column) for column in motion.position.T])
+
+
+def trial(seed, arm, seconds, kind):
     """Figures of one arm: truths inside and outside of their intervals, unknown ones, held-out error by noise, time."""
     rng = np.random.default_rng(seed)
     _, names, effort, _ = model(arm)
     truth = draw(rng, names, effort)
-    scenario, recording, last = record(rng, arm, truth, seconds)
+    scenario, recording, last = record(rng, arm, truth, seconds, kind)
     start = time.perf_counter()
     twin = identify_twin(recording, scenario, last)
     spent = time.perf_counter() - start
@@ -116,11 +130,13 @@ def main():
     parser.add_argument("--arms", nargs="+", default=["iiwa7"], help="named arms, in turn")
     parser.add_argument("--count", type=int, default=100)
     parser.add_argument("--seconds", type=float, default=12.0, help="length of the motion")
+    parser.add_argument("--commands", choices=("velocity", "position"), default="velocity")
     parser.add_argument("--seed", type=int, default=0, help="of the first arm")
     options = parser.parse_args()
     rows = []
     for k in range(options.count):
-        rows.append(trial(options.seed + k, options.arms[k % len(options.arms)], options.seconds))
+        rows.append(trial(options.seed + k, options.arms[k % len(options.arms)], options.seconds,
+                          options.commands))
         print(json.dumps(rows[-1]), flush=True)
     inside, known = (sum(row[key] for row in rows) for key in ("inside", "known"))
     print(f"{len(rows)} arms: {inside} of {known} truths inside their 95 % interval "
