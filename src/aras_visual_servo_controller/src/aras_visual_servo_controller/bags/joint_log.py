@@ -4,10 +4,10 @@ from dataclasses import dataclass
 from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
-from scipy.interpolate import BPoly
 
 from aras_visual_servo import ParameterError
 from .any_bag import AnyBag, duration_s, stamp_s
+from .motions import spline
 
 JOINT_STATE = "sensor_msgs/JointState"
 ONE, MANY, TRAJECTORY = "std_msgs/Float64", "std_msgs/Float64MultiArray", "trajectory_msgs/JointTrajectory"
@@ -186,7 +186,7 @@ def _points(messages, states):
         grid = np.unique(np.r_[np.arange(times[0], times[-1], TRAJECTORY_STEP_S), times[-1]])
         # The driver's set point moves on; one that is held here is that of the middle.
         middle = np.minimum(grid + 0.5 * TRAJECTORY_STEP_S, times[-1])
-        path = BPoly.from_derivatives(times, knots)(middle) if len(times) > 1 else knots[:, 0]
+        path = spline(times, knots)(middle) if len(times) > 1 else knots[:, 0]
         events += [(start + t, dict(zip(message.joint_names, row))) for t, row in zip(grid.tolist(), path.tolist())
                    if start + t < until]
     return events
