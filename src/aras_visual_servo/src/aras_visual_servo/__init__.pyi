@@ -14,6 +14,8 @@ from .runs.cell import simulation_of as simulation_of
 from .runs.judge import run as run
 from .runs.loop import ServoLoop as ServoLoop
 from .runs.record import RunRecord as RunRecord
+from .runs.rows import RowCheck as RowCheck
+from .runs.rows import check_rows as check_rows
 from .studies import benchmark as benchmark
 from .studies import compare as compare
 from .studies import save_results as save_results

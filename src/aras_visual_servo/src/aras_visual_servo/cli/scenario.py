@@ -3,9 +3,12 @@
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
-from . import EXIT_PARAMETERS, EXIT_PASSED, Command, add_changes, add_scenario, check_name, \
+from . import EXIT_FAILED, EXIT_PARAMETERS, EXIT_PASSED, Command, add_changes, add_scenario, check_name, \
     command_line, file, scenario_name, scenario_of
 from ..ground.errors import ParameterError
+
+#: Rows farther from the differences than this part of them are wrong.
+MOST_OFF = 0.05
 
 
 def _list(arguments: Namespace) -> int:
@@ -81,6 +84,23 @@ def _keys(arguments: Namespace) -> int:
     return EXIT_PASSED
 
 
+def _rows(arguments: Namespace) -> int:
+    from ..runs.rows import check_rows
+    found, code = check_rows(scenario_of(arguments), arguments.views), EXIT_PASSED
+    for name, deviation in found.deviation.items():
+        wrong = found.columns(name, MOST_OFF) if deviation > MOST_OFF else {}
+        code = EXIT_FAILED if deviation > MOST_OFF else code
+        print(f"{name:<12} {100 * deviation:6.1f} %" + "".join(
+            f"\n    {column}: row {row:.4g}, differences {difference:.4g}"
+            for column, (row, difference) in wrong.items()))
+    return code
+
+
+def _rows_options(parser: ArgumentParser) -> None:
+    add_scenario(parser)
+    parser.add_argument("--views", type=int, default=4, help="number of views about the goal (default: 4)")
+
+
 VERBS = {"scenario": {
     "list": Command("List the scenarios and arms that come with the package.", [("", "all names, described")],
                     lambda parser: None, _list),
@@ -93,6 +113,11 @@ VERBS = {"scenario": {
     "check": Command("Check scenarios and print every fault with its file and line.",
                      [("mine.yaml", "a file of your own"), ("experiment_1 --law ibvs", "with another law")],
                      _check_options, _check),
+    "rows": Command("Compare each feature's row of the interaction matrix with central differences of its value in "
+                    "rendered images, in tilted views about the goal. Prints how far they are apart, as a part of the "
+                    f"differences; above {100 * MOST_OFF:g} % also the columns, and the exit code is 1.",
+                    [("mine.yaml", "features of a file of your own"), ("six_dof_points --views 10", "more views")],
+                    _rows_options, _rows),
     "keys": Command("Print the keys of a section: unit, allowed values, default, meaning.",
                     [("servo", "the keys of a section"), ("servo.stop", "the keys of a subsection")],
                     _keys_options, _keys),

@@ -179,6 +179,11 @@ class ServoLoop(SimulatedCell):
                 answers.append((*answer[:3], np.array(image), answer[4]))
             yield answer
 
+    def look(self) -> Any:
+        """Takes one image and answers nothing. Returns the features that the servo works on."""
+        stamp_ns, image, _ = self.take()
+        return self._see(image, stamp_ns)[1]
+
     def use(self, servo: Servo) -> None:
         """Goes on with another servo, of the same kinematics and source of features."""
         self.servo = servo
