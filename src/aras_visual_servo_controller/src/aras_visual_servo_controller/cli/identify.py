@@ -98,8 +98,9 @@ def _identified(arguments: Namespace, scenario: Scenario) -> Dict[str, str]:
     if not twin.converged:
         notes += (NOT_CONVERGED,)
         print(NOT_CONVERGED)
-    held = twin.held_out
-    print("held-out part, root mean square error: " + ", ".join(f"{name} {value:.2g}" for name, value in held.items()))
+    held, units = twin.held_out, study("report.joint_units").joint_units(scenario.urdf_xml())
+    print("held-out part, root mean square error: " + ", ".join(
+        f"{name} {units[name][0] * value:.2g} {units[name][1]}" for name, value in held.items()))
     numbers = {"robot": arguments.robot, "bag": arguments.bag, "held_out": held, "residual": found.residual,
                "converged": twin.converged,
                "estimates": {name: {"value": each.value, "unit": each.unit, **(
@@ -111,7 +112,7 @@ def _identified(arguments: Namespace, scenario: Scenario) -> Dict[str, str]:
                "covariance": {"names": twin.names, "matrix": twin.covariance.tolist()} if twin.converged else None}
     page = study("report.identified").identified_html(
         f"{scenario.name} as {Path(arguments.bag).name} shows it", arguments.repeat, twin.joint_names, twin.times_s,
-        twin.measured, twin.simulated, twin.fitted, rows, unknown, notes)
+        twin.measured, twin.simulated, twin.fitted, rows, unknown, notes, units)
     section = twin.overlay
     made = {}
     if seen is not None:

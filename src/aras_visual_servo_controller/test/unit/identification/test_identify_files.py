@@ -17,8 +17,9 @@ def test_a_robot_is_written_of_a_fit_that_converged_only(converged, tmp_path, mo
                             held_out={"position": 1e-4}, covariance=np.zeros((0, 0)), joint_names=["a"], times_s=None,
                             measured=None, simulated=None, fitted=None, overlay={"robot": {"dynamics": {}}})
     monkeypatch.setattr(identify, "_recording", lambda *_: (None, ()))
-    monkeypatch.setattr(twin, "identify_twin", lambda *_: found)
-    monkeypatch.setattr(identify, "study", lambda _: SimpleNamespace(identified_html=lambda *_: "<html>"))
+    monkeypatch.setattr(twin, "identify_twin", lambda *_, **__: found)
+    monkeypatch.setattr(identify, "study", lambda _: SimpleNamespace(
+        identified_html=lambda *_: "<html>", joint_units=lambda _: {"position": (1e3, "mm")}))
     (tmp_path / "a.bag").touch()
     code = main(["identify", str(tmp_path / "a.bag"), "--robot", "so101", "--out", str(tmp_path / "out")])
     names = {path.name for path in (tmp_path / "out").iterdir()}

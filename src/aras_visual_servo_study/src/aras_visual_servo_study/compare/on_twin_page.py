@@ -7,6 +7,7 @@ import numpy as np
 from aras_visual_servo import palette, styles
 from .on_twin import OnTwin, feature_of, joint_of
 from .settling import SETTLED_PART, error_size
+from ..report.joint_units import joint_units
 from ..report.plots import series_of, time_plot
 from ..report.template import render
 
@@ -22,10 +23,13 @@ def on_twin_html(run: OnTwin, numbers: Dict[str, Any], title: str, command: str)
     for style in styles(run.measured.feature_names):
         plots.append(_plot(run, f"feature_{style.name}", style.name, f"e [{style.read_unit}]",
                            lambda record, style=style: style.factor * feature_of(record, style.name)))
+    units = joint_units(run.scenario.urdf_xml())
     for name in run.measured.joint_names:
-        plots.append(_plot(run, f"joint_{name}", name, "m, rad", lambda record, name=name: joint_of(record, name)))
+        factor, unit = units[name]
+        plots.append(_plot(run, f"joint_{name}", name, unit,
+                           lambda record, name=name, factor=factor: factor * joint_of(record, name)))
     return render("on_twin.html.j2", title=title, command=command, notes=list(dict.fromkeys(run.notes)), plots=plots,
-                  summary=_summary(numbers), features=_features(run, numbers), joints=_joints(numbers),
+                  summary=_summary(numbers), features=_features(run, numbers), joints=_joints(numbers, units),
                   part=f"{100 * SETTLED_PART:g}")
 
 
@@ -53,8 +57,9 @@ def _features(run, numbers) -> List[Dict[str, Any]]:
     return rows
 
 
-def _joints(numbers):
-    return [{"name": name, "cells": [text_of(of["rms"]), text_of(of["largest"])]}
+def _joints(numbers, units):
+    return [{"name": f"{name} [{units[name][1]}]",
+             "cells": [text_of(None if of[key] is None else units[name][0] * of[key]) for key in ("rms", "largest")]}
             for name, of in numbers["joints"].items()]
 
 

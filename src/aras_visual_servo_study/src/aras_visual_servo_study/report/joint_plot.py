@@ -6,7 +6,7 @@ from typing import Any, Dict, Optional
 import numpy as np
 
 from aras_visual_servo import ArasError, RunRecord, palette, scenario_from_dict
-from ..live.view.robot import robot_of
+from .joint_units import joint_units
 from .plots import series_of, time_plot
 
 DASH = "6 3"  # of a joint without limits
@@ -25,13 +25,12 @@ def joint_plot(record: RunRecord) -> Optional[Dict[str, Any]]:
         return None
     if not len(rows) or not set(kinematics.joint_names) <= set(record.joint_names):
         return None
-    slides = {joint["name"] for joint in robot_of(scenario.urdf_xml())["joints"] if joint["type"] == "prismatic"}
+    units = joint_units(scenario.urdf_xml())
     series = []
     for place, (name, low, high) in enumerate(zip(kinematics.joint_names, kinematics.lower, kinematics.upper)):
         limited = math.isfinite(low) and math.isfinite(high)
-        half, middle = (0.5 * (high - low), 0.5 * (high + low)) if limited else \
-            (1.0 if name in slides else math.pi, 0.0)
-        factor, unit = (1e3, "mm") if name in slides else (180.0 / math.pi, "deg")
+        factor, unit = units[name]
+        half, middle = (0.5 * (high - low), 0.5 * (high + low)) if limited else (1.0 if unit == "mm" else math.pi, 0.0)
         q = record.q[rows, record.joint_names.index(name)]
         colour = palette.PALETTE[place % len(palette.PALETTE)]
         one = series_of((name, "", colour, "" if limited else DASH, factor * half, unit), (q - middle) / half)
