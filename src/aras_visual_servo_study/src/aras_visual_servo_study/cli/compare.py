@@ -97,7 +97,7 @@ def _laws(arguments: Namespace) -> int:
 
 def _runs_options(parser: ArgumentParser) -> None:
     parser.add_argument("runs", nargs="+", type=_run_name, metavar="RUN", help="a scenario, by name or path of its "
-                        "YAML file, which is then run in this process; or a recorded run: a bag, or a folder of bags")
+                        "YAML file, which is then run in this process; or a result folder; or a bag, or a folder of bags")
     cli.add_changes(parser)
     cli.add_output(parser, "comparisons/runs")
 
@@ -137,5 +137,5 @@ VERBS = {"compare": {
         "Show two or more runs side by side. The page runs.html has camera path, errors, joints against their limits, "
         "and the differences.",
         [("naive_inverse redundant", "two scenarios, run here"),
-         ("results/experiment_1/STAMP mine.yaml", "a recorded run beside a scenario")],
+         ("results/experiment_1/STAMP mine.yaml", "the run of a result folder beside a scenario")],
         _runs_options, _runs)}}

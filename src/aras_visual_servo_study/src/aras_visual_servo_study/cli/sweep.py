@@ -72,7 +72,7 @@ def _rerun(arguments: Namespace) -> int:
         return cli.EXIT_PASSED
     different = [name for name in row if row[name] != saved[name]]
     print(f"{'sweep':<20}" + (f"other values than in the sweep: {', '.join(different)}" if different
-                              else f"same bytes as in the sweep, trace {row['trace_hash']}"))
+                              else "same bytes as in the sweep" + (f", trace {row['trace_hash']}" if row["trace_hash"] else "")))
     return cli.EXIT_FAILED if different else cli.EXIT_PASSED
 
 

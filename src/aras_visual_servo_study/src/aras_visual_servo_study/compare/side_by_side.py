@@ -24,6 +24,10 @@ from .laws_report import COLOURS, FLOOR_DEG, FLOOR_MM, TABLE, cells
 from ..sweep.judge import judge_row
 
 
+#: File of a result folder with the whole scenario of a run in one process.
+SCENARIO_FILE = "run.yaml"
+
+
 @dataclass
 class Run:
     """One run.  label.  record: RunRecord.  lower, upper: (m,) limits of its joints.  outline: `Outline` or None."""
@@ -38,11 +42,15 @@ class Run:
 def read_run(source: str, changes: Optional[Dict[str, Any]] = None) -> Run:
     """Reads or makes a run that is to be compared.
 
-    Args: source: a scenario by name or path, which is run here with `changes`; or a bag, or a folder of bags.
+    Args: source: a scenario by name or path, which is run here with `changes`; or a bag, a folder of bags, or the
+        folder of a run without a bag, which is run again as it was.
     Raises: ParameterError: there is no such scenario.  BagError: the bags hold no run.
     """
     path = Path(source)
-    if path.suffix == ".bag" or path.is_dir():
+    if path.is_dir() and (path / SCENARIO_FILE).is_file() and not any(path.glob("*.bag*")):
+        scenario = load_scenario(str(path / SCENARIO_FILE))
+        record, label = avs.run(scenario), f"{scenario.name} ({path.name})"
+    elif path.suffix == ".bag" or path.is_dir():
         from aras_visual_servo_controller import read_bag  # needs rosbag
         record = read_bag(str(path))
         scenario = scenario_from_dict(dict(record.settings), source=str(path))

@@ -1,6 +1,7 @@
 """Laws side by side on the canonical tasks, and runs side by side on one page."""
 
 import csv
+import json
 import pathlib
 import signal
 import subprocess
@@ -199,3 +200,13 @@ def test_a_signal_ends_a_comparison_and_its_workers(number, tmp_path):
     _, said = process.communicate(timeout=PATIENCE_S)
     assert process.returncode == (-number if number == signal.SIGKILL else 128 + number) and "Traceback" not in said
     assert not psutil.wait_procs(workers, timeout=PATIENCE_S)[1]
+
+
+def test_result_folders_of_runs_in_this_process_are_compared_as_they_were(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(["run", "experiment_1", "--set", "servo.gains_per_s.xn=2.0"]) == 0
+    [folder] = (tmp_path / "results" / "experiment_1").iterdir()
+    run = read_run(str(folder))
+    summary = json.loads((folder / "summary.json").read_text())
+    assert run.record.run_hash == summary["run_hash"] and folder.name in run.label
+    assert main(["compare", "runs", str(folder), "experiment_1", "--name", "b"]) == 0
