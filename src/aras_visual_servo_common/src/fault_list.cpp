@@ -8,7 +8,7 @@
 namespace aras_visual_servo_common {
 namespace {
 
-constexpr std::size_t kMost = 200;  // lines; nobody reads more, and a hostile file could ask for a million
+constexpr std::size_t kMost = 200;  // lines; more are not read, and a hostile file could ask for a million
 
 std::vector<std::string> linesOf(const std::string& text) {
   std::vector<std::string> lines;

@@ -34,7 +34,7 @@ const start = () => {
   });
   const nearest = (list, t) => list.reduce((best, one, i) => (Math.abs(one.t - t) < Math.abs(list[best].t - t) ? i : best), 0);
   slider.max = moments.length - 1;
-  let shown = null, told = false;   // the plots show the start until somebody asks for a moment
+  let shown = null, told = false;   // the plots show the start until a moment is chosen
   const show = (t) => {
     const index = nearest(moments, t), moment = moments[index];
     slider.value = index;

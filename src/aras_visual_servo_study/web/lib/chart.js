@@ -215,7 +215,7 @@ export class Chart {
     });
   }
 
-  /** Thresholds and limits: dotted, with a name at their right end, so that nobody takes them for a curve. */
+  /** Thresholds and limits: dotted, with a name at their right end, so that they are not taken for a curve. */
   levels(pen, colour, Y, w) {
     const { spec } = this, found = this.log ? [] : (spec.lines || []).map(({ at, label }) => ({ at, label, ink: colour("--warn") }));
     spec.series.forEach((one, s) => {

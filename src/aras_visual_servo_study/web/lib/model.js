@@ -1,5 +1,5 @@
 // What the page knows of the run, and who wants to hear of it: about, state, rows, image, goal, values, connection.
-// "shown" and "picture" are what views draw: the newest, or the moment of the past that somebody has gone back to.
+// "shown" and "picture" are what views draw: the newest, or the chosen moment of the past.
 const MOST_ROWS = 18000;
 const CAMERA = ["x", "y", "z", "camera.qx", "camera.qy", "camera.qz", "camera.qw"], TARGET = ["x", "y", "z", "qx", "qy", "qz", "qw"].map((name) => `target.${name}`);
 
@@ -115,7 +115,7 @@ export class Model {
       for (let got = null; this.past && got !== this.wanted;) {
         got = this.wanted;
         const answer = await fetch(`picture/${got}`);
-        if (!answer.ok) break;   // nobody looked then
+        if (!answer.ok) break;   // there were no viewers then
         const data = await answer.arrayBuffer(), size = new DataView(data).getUint32(0, true);
         const bitmap = await createImageBitmap(new Blob([new Uint8Array(data, 4 + size)], { type: "image/jpeg" }));
         if (this.past) this.emit("picture", { bitmap, ...JSON.parse(new TextDecoder().decode(new Uint8Array(data, 4, size))) });

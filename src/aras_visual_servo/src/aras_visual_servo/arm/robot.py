@@ -17,7 +17,7 @@ from .settings import HandEyeSettings
 CALIBRATED_LINK = "hand_eye_optical_frame"
 
 
-@lru_cache(maxsize=8)  # runs of a sweep share one object, which nobody changes: reading a URDF takes a millisecond
+@lru_cache(maxsize=8)  # runs of a sweep share one object, which is never changed: reading a URDF takes a millisecond
 def robot_kinematics(urdf_xml: str, base_link: str, tip_link: str,
                      target_link: Optional[str] = None) -> RobotKinematics:
     """Makes an `EyeToHand` if a link carries the target, a `FreeCamera` if a floating joint carries the tip, else

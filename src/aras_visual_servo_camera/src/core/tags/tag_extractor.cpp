@@ -74,7 +74,7 @@ std::string installedLibrary() {
 
 std::unique_ptr<TagFinder> openTagFinder(const std::string& family, const std::string& library) {
   const std::string file = library.empty() ? installedLibrary() : library;
-  void* handle = dlopen(file.c_str(), RTLD_LAZY | RTLD_LOCAL);  // the same one each time, which nobody closes
+  void* handle = dlopen(file.c_str(), RTLD_LAZY | RTLD_LOCAL);  // the same one each time, never closed
   void* function = handle ? dlsym(handle, kNewAprilTagFinder) : nullptr;
   if (!function) throw ArasError("tag: the library that finds AprilTags cannot be used: " + std::string(dlerror()));
   return std::unique_ptr<TagFinder>(reinterpret_cast<NewAprilTagFinder*>(function)(family.c_str()));

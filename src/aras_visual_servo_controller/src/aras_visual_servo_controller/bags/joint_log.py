@@ -161,8 +161,8 @@ def _points(messages, states):
     """(stamp, positions by joint) of the set points that a driver interpolates; a new trajectory replaces the old one.
 
     Between two points is the polynomial of ros_controllers: of order 1, 3 or 5, as the points have velocities and
-    accelerations. Nobody knows where an arm that is not near the first point was told to be. Its set points begin with
-    this point if others follow, and where the arm is otherwise.
+    accelerations. The set point of an arm that is not near the first point is unknown: it begins with this point if
+    others follow, and where the arm is otherwise.
     """
     events, stamps = [], [stamp_s(state) for state, _ in states]
     for k, (message, at) in enumerate(messages):

@@ -15,7 +15,7 @@ PERIOD_S = 0.1  # wall time between two images
 class _Loader(rospy.SubscribeListener):
     """Loads the drawing code on the first subscription, in rospy's connecting thread.
 
-    It brings OpenCV along, which takes 0.2 s of CPU time: a run that nobody looks at does without, and no answer to an
+    It brings OpenCV along, which takes 0.2 s of CPU time: a run without viewers does without, and no answer to an
     image waits for it.
 
     Attributes: bars: the module `null_space_bars`, None before the first subscriber.

@@ -191,7 +191,7 @@ class Relay:
         return kinematics_of(rospy.get_param(key), robot) if key and robot else None
 
     def connect(self) -> None:
-        """Waits until messages come of all topics that somebody listens to, up to CONNECT_TIMEOUT_S.
+        """Waits until messages come of all topics with subscribers, up to CONNECT_TIMEOUT_S.
 
         So a ROS 2 node that listens and then starts time misses no message.
         """

@@ -108,7 +108,7 @@ int findJoint(const RobotModel& model, const std::string& name) {
   return -1;
 }
 
-/** Follows each chain of mimics to its end, so that every follower names a joint that follows nobody. */
+/** Follows each chain of mimics to its end, so that every follower names a joint that follows none. */
 void resolveChains(const UrdfSource& source, const XMLElement& robot, RobotModel& model) {
   for (Joint& joint : model.joints) {
     for (std::size_t steps = 0; joint.mimic.joint >= 0; ++steps) {

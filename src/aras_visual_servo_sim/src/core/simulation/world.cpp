@@ -321,7 +321,7 @@ std::int64_t World::stepToImage(const std::string& camera) {
   const int index = cameras_.index(camera);
   const std::int64_t tick = cameras_[index].nextFrameTick();
   if (tick == kNever) {
-    throw ParameterError("camera '" + camera + "': takes frames only when triggered, and nobody asked for one");
+    throw ParameterError("camera '" + camera + "': takes frames only when triggered, and was not");
   }
   step(tick - ticks());
   return takeFrame(index);

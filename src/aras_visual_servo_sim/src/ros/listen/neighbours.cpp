@@ -18,7 +18,7 @@ namespace {
 
 constexpr time_t kConnectS = 2;  // wall
 
-/** True if somebody listens at the address, or if it does not say within kConnectS that nobody does. */
+/** True if a process listens at the address, or if it does not say within kConnectS that none does. */
 bool listens(const std::string& host, std::uint32_t port) {
   addrinfo hints{};
   hints.ai_socktype = SOCK_STREAM;

@@ -16,7 +16,7 @@ class SceneMarkers {
  public:
   SceneMarkers(ros::NodeHandle& node, const Simulation& simulation);
   void publish();
-  /** The same, if somebody listens: for what changes often. */
+  /** The same, if there are subscribers: for what changes often. */
   void refresh();
 
  private:

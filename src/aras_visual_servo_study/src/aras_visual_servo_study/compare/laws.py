@@ -107,7 +107,7 @@ def run_comparison(comparison: Comparison, workers: int = 1,
                 futures = [pool.submit(_run_law, *each) for each in zip(scenarios, tasks)]
                 found = told(future.result() for future in futures)
             except KeyboardInterrupt:
-                for process in pool._processes.values():  # nobody waits for what they are doing
+                for process in pool._processes.values():  # their results are not wanted
                     process.kill()
                 raise
     return [(task.name, law, row, track) for i, task in enumerate(comparison.tasks)

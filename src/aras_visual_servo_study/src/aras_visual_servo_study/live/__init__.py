@@ -1,1 +1,1 @@
-"""The live page: a run that somebody watches and changes while it goes on. No ROS; its door to ROS is in `nodes`."""
+"""The live page: a run to watch and to change while it goes on. No ROS; its door to ROS is in `nodes`."""

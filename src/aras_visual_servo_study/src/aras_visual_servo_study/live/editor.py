@@ -1,6 +1,6 @@
 """The law that is written in the page: checked at once, used from the next servo on, left again when it fails.
 
-A text runs with all rights of this process, so there is an editor only where somebody has asked for it, and only for
+A text runs with all rights of this process, so there is an editor only where it was asked for, and only for
 pages of this machine: `aras-servo live --edit`.
 """
 

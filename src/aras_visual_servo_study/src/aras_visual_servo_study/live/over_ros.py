@@ -1,6 +1,6 @@
 """Node `live_page`: serves the live page of a run over ROS. It listens to the run's topics and calls its services.
 
-Images and features are subscribed to only while a page is ready for them, so that nobody sends them for nothing.
+Images and features are subscribed to only while a page is ready for them, so that none are sent for nothing.
 """
 
 import asyncio
@@ -171,7 +171,7 @@ class RosRun(PageRun):
                 "factor": round(self._status.real_time_factor, 3)}
 
     def advance(self, _most_ns: int) -> bool:
-        """Waits a moment, and listens to images while somebody looks. Returns whether the servo has answered one."""
+        """Waits a moment, and listens to images while there are viewers. Returns whether the servo has answered one."""
         time.sleep(LOOK_S if self.watched else IDLE_S)
         if self.watched:
             self._ready_s = time.perf_counter()

@@ -59,7 +59,7 @@ class PageRun:
         self.used = scenario
         self._draws = self.starts = 0
         self.editor: Optional[LawEditor] = None
-        # A target that the arm carries moves with every motion of the arm: nobody has to follow it.
+        # A target that the arm carries moves with every motion of the arm: there is nothing to follow.
         self.follow = scenario.robot.get("target_link") is None
 
     def renew(self, kinematics: RobotKinematics, servo: Servo, camera_info: Dict[str, Any],

@@ -5,7 +5,7 @@
     while True:
         run.advance(16_000_000)      # to the next image, or 16 ms of simulated time, whatever comes first
 
-No threads and no wall time: live/runner.py lets it go on at the speed that somebody wants.
+No threads and no wall time: live/runner.py lets it go on at the wanted speed.
 """
 
 import copy

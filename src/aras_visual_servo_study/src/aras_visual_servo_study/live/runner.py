@@ -1,7 +1,7 @@
-"""Lets a `LiveRun` go on, in a thread of its own, at the speed somebody wants; pages only ever look at it from outside.
+"""Lets a `LiveRun` go on, in a thread of its own, at the wanted speed; pages only ever look at it from outside.
 
 Requests wait in a queue until the thread is between two images. What a page sees is a `Sample`, which the thread makes
-no more often than pages can show it, and only while somebody watches: without a viewer a run costs what it costs alone.
+no more often than pages can show it, and only for viewers: without one a run costs what it costs alone.
 """
 
 import ctypes
@@ -48,7 +48,7 @@ class HungCode(ArasError):
 
 @dataclass(frozen=True)
 class Sample:
-    """What a page is shown at one moment. Nobody changes it any more.
+    """What a page is shown at one moment. It is not changed any more.
 
     Attributes:
         number: grows by one.  state: dict for JSON.  image: uint8 copy of the last image, or None before the first.
@@ -273,7 +273,7 @@ class Runner:
             self._servo_count += 1
 
     def _show(self):
-        """Make a new sample if somebody looks and it is time for one."""
+        """Make a new sample if there are viewers and it is time for one."""
         run, wall_s = self._run, time.perf_counter()
         if not self.watched or wall_s - self._state_s < 0.9 * STATE_S or run.joints() is None:
             return

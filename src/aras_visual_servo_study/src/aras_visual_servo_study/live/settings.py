@@ -10,7 +10,7 @@ from aras_visual_servo import FEATURE_NAMES, ParameterError, Scenario, expand, f
 AT_ONCE = (r"servo\..*", r"sim\.cameras\.\d+\.(noise_mean|noise_stddev|drop_probability|latency_s|exposure_s"
            r"|exposure_samples|sensor|sampling|renderer|quality|gl|exact_targets|near_m|far_m)(\..*)?",
            r"sim\.scene\.(background_rgb|light_direction|lighting).*", r"experiment\..*", r"name", r"description")
-#: Where a feature that has just been chosen begins, until somebody says otherwise: its gain and its threshold by unit.
+#: Where a feature that has just been chosen begins, until it is changed: its gain and its threshold by unit.
 GAIN_PER_S, THRESHOLDS = 1.0, {"m": 5e-4, "rad": 1e-3}
 THRESHOLD = 1e-3
 

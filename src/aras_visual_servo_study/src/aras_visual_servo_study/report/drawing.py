@@ -60,7 +60,7 @@ class Drawing:
 
     def __exit__(self, kind: Any, *_: Any) -> None:
         if kind is not None:
-            for process in list(self._pool._processes.values()):  # nobody waits for what they are doing
+            for process in list(self._pool._processes.values()):  # their results are not wanted
                 process.kill()
         self._pool.shutdown()
 
@@ -104,7 +104,7 @@ def forked(count: int) -> Iterator[ProcessPoolExecutor]:
             pool.submit(int)  # forks all of them
         yield pool
     except BaseException:
-        for process in list((pool._processes or {}).values()):  # nobody waits for what they are doing
+        for process in list((pool._processes or {}).values()):  # their results are not wanted
             process.kill()
         raise
     finally:

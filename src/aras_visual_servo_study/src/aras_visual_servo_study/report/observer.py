@@ -1,4 +1,4 @@
-"""A camera beside the arm. It renders a run from the recorded joint positions, as somebody standing there saw it.
+"""A camera beside the arm. It renders a run from the recorded joint positions, as an observer there saw it.
 
 OpenGL draws it, with light and shadow; where there is no OpenGL, the coverage renderer does, without shadows.
 """

@@ -11,7 +11,7 @@ from ..files import share_dir
 
 
 def render(template: str, /, **values: Any) -> str:
-    """The page of config/templates/TEMPLATE with these values, str; a name in it that nobody gives is an error."""
+    """The page of config/templates/TEMPLATE with these values, str; a name in it without a value is an error."""
     return _environment().get_template(template).render(**values)
 
 
@@ -39,7 +39,7 @@ def _environment():
                 super().dump_bytecode(bucket)
 
     compiled = None
-    with contextlib.suppress(OSError, RuntimeError):  # there is no home, or nobody may write there
+    with contextlib.suppress(OSError, RuntimeError):  # there is no home, or it is read-only
         folder = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "aras_visual_servo"
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
         about = folder.stat()

@@ -136,7 +136,7 @@ def run_local(run: Callable[..., Any], setup: Dict[str, Any], chunks: List[List[
               deaths: int, save: Callable[[Any], None], give_up: Callable[[Dict[str, Any]], None]) -> None:
     """Runs all chunks of plain starts in `count` processes; `save` is called with results of run(setup, chunk).
 
-    When a process dies, nobody knows in which run. So the runs that were under way are repeated one at a time. If one
+    When a process dies, its run is not known. So the runs that were under way are repeated one at a time. If one
     alone lets a process die `deaths` times, `give_up` is called with its start.
     """
     for start in _run(run, setup, chunks, count, save):

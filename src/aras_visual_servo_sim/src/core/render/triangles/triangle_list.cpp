@@ -180,7 +180,7 @@ void TriangleList::addTriangle(const Points& points_C, const Seams& seams, const
   facet_of_.insert(facet_of_.end(), count, static_cast<std::uint32_t>(facets_.size() - 1));
 }
 
-/** Adds a triangle of which nobody wants to know more than where it is. */
+/** Adds a triangle of which only the place is wanted. */
 void TriangleList::addPlane(const Points& points_C) {
   const Eigen::Vector3d normal = (points_C[1] - points_C[0]).cross(points_C[2] - points_C[0]);
   const double offset = normal.dot(points_C[0]);

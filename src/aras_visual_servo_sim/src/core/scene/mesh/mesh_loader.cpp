@@ -274,7 +274,7 @@ Material materialOf(const aiMaterial& from, bool collada) {
     to.unlit = true;
   }
   float opacity = 1.0f;
-  // Nobody makes a thing that cannot be seen: files with 0 are those of exporters that meant a transparency of 0.
+  // Things that cannot be seen are not made: files with 0 are those of exporters that meant a transparency of 0.
   if (from.Get(AI_MATKEY_OPACITY, opacity) == AI_SUCCESS && opacity > 0.0f) {
     to.opacity = std::min(static_cast<double>(opacity), 1.0);
   }

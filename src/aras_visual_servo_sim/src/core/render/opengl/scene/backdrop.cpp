@@ -94,7 +94,7 @@ class Edges {
 
 bool canBeBackdrop(const TriangleMesh& mesh) {
   if (mesh.round || mesh.triangles.size() > kFewTriangles) return false;
-  if (mesh.neighbours.size() != mesh.triangles.size()) return false;  // nobody has called finish()
+  if (mesh.neighbours.size() != mesh.triangles.size()) return false;  // finish() was not called
   const double slack = kRounding * (mesh.box_max - mesh.box_min).cast<double>().norm();
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const Corners corners = cornersOf(mesh, t);

@@ -139,7 +139,7 @@ SolidPainter::Plan SolidPainter::planOf(std::size_t view) const {
 
 /** Whether the eye is in the midst of a solid, all of whose faces look away. */
 bool SolidPainter::isAroundEye(const Item& item) const {
-  constexpr std::size_t kFew = 64;  // triangles: of others nobody knows without a long look
+  constexpr std::size_t kFew = 64;  // triangles: others would take a long look
   const TriangleMesh& mesh = *item.shape->mesh;
   if (item.shape->material.two_sided || mesh.round || mesh.triangles.size() > kFew) return false;
   if (item.center_C.norm() > item.radius) return false;

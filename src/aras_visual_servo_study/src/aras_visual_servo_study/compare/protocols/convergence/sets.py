@@ -116,8 +116,8 @@ SETS = (
 #: Features that are in no set because others stand for them, or by themselves say too little.
 STANDS_FOR = {
     **{f"c{n}": "c1, c2 stand for the invariants" for n in range(1, 11)},
-    **dict.fromkeys(("xe", "ye", "e20", "e11", "e02"), "of a circle, whose turn about its axis nobody sees"),
-    **dict.fromkeys(("ox", "oy", "oz"), "of a sphere, whose turns nobody sees"),
+    **dict.fromkeys(("xe", "ye", "e20", "e11", "e02"), "of a circle, whose turn about its axis does not show"),
+    **dict.fromkeys(("ox", "oy", "oz"), "of a sphere, whose turns do not show"),
     **dict.fromkeys(("ug", "vg", "wg"), "the rays stand for their middle"),
     "is": "is1 to is4 stand for it"}
 
