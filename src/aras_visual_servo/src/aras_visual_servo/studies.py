@@ -7,6 +7,8 @@ from typing import Any
 from .ground.errors import ArasError
 
 PACKAGE = "aras_visual_servo_study"
+#: Functions of that package that are public names of this one, and their rooms.
+_ROOMS = {"sweep": "api", "compare": "api", "benchmark": "api", "save_results": "report"}
 
 
 def sister(package: str, module: str, needed_by: str) -> ModuleType:
@@ -30,21 +32,8 @@ def study(room: str = "") -> ModuleType:
     return sister(PACKAGE, room, f"`{room or 'study'}`")
 
 
-def sweep(*arguments: Any, **settings: Any) -> Any:
-    """Runs a scenario from many starts: `aras_visual_servo_study.api.sweep`."""
-    return study("api").sweep(*arguments, **settings)
-
-
-def compare(*arguments: Any, **settings: Any) -> Any:
-    """Compares sweeps on the same starts: `aras_visual_servo_study.api.compare`."""
-    return study("api").compare(*arguments, **settings)
-
-
-def benchmark(*arguments: Any, **settings: Any) -> Any:
-    """Runs a published protocol: `aras_visual_servo_study.api.benchmark`."""
-    return study("api").benchmark(*arguments, **settings)
-
-
-def save_results(*arguments: Any, **settings: Any) -> Any:
-    """Writes the result folder of a run: `aras_visual_servo_study.report.save_results`."""
-    return study("report").save_results(*arguments, **settings)
+def __getattr__(name: str) -> Any:
+    """`sweep`, `compare`, `benchmark` and `save_results`, with their own signatures. Errors as `sister`."""
+    if name not in _ROOMS:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(study(_ROOMS[name]), name)

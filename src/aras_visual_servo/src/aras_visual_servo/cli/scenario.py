@@ -88,7 +88,7 @@ def _rows(arguments: Namespace) -> int:
     from ..runs.rows import check_rows
     found, code = check_rows(scenario_of(arguments), arguments.views), EXIT_PASSED
     for name, deviation in found.deviation.items():
-        wrong = found.columns(name, MOST_OFF) if deviation > MOST_OFF else {}
+        wrong = found.columns(name, MOST_OFF / 6.0**0.5) if deviation > MOST_OFF else {}
         code = EXIT_FAILED if deviation > MOST_OFF else code
         print(f"{name:<12} {100 * deviation:6.1f} %" + "".join(
             f"\n    {column}: row {row:.4g}, differences {difference:.4g}"

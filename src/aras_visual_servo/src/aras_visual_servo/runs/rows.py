@@ -17,8 +17,9 @@ from .loop import ServoLoop
 if TYPE_CHECKING:
     from ..scenario.scenario import Scenario
 
-#: Half of a difference: a rotation [rad], and a translation as a part of the target's depth.
-STEP = 0.02
+#: Step of the differences, which are of fourth order: a rotation [rad], and a translation as a part of the target's
+#: depth. A longer step leaves less of the rounding by pixels.
+STEP = 0.04
 #: The views are off the goal by at most these: across and along the axis in depths, tilt and turn. [rad]
 ACROSS, ALONG, TILT_RAD, TURN_RAD = 0.05, 0.1, 0.15, 0.4
 #: Views that lose the target are drawn again, so often at most.
@@ -110,11 +111,12 @@ class _Check:
         steps = STEP * np.array([self._depth] * 3 + [1.0] * 3)
         columns = []
         for step, direction in zip(steps, np.eye(6)):
-            there = [self._view(X @ exponential(side * step * direction)) for side in (1.0, -1.0)]
+            there = [self._view(X @ exponential(side * step * direction)) for side in (1.0, -1.0, 2.0, -2.0)]
             if None in there:
                 return None
-            s = [self._features.values(view) for view in there]
-            columns.append(np.array(self._features.error(*s, False)) / (2.0 * step))
+            near, far = (np.array(self._features.error(*map(self._features.values, pair), False))
+                         for pair in (there[:2], there[2:]))
+            columns.append((8.0 * near - far) / (12.0 * step))
         return self._features.matrix(here), np.column_stack(columns)
 
     def result(self, count, rng):

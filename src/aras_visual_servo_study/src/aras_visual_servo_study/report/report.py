@@ -23,7 +23,7 @@ from typing import Any, Dict, Optional, Union
 
 import numpy as np
 
-from aras_visual_servo import (STOP_NAMES, TWIST_NAMES, RunRecord, StopSettings, fit_decay, judge, spatial,
+from aras_visual_servo import (STOP_NAMES, TWIST_NAMES, RunRecord, Status, StopSettings, fit_decay, judge, spatial,
                                spread, styles, tracking)
 from ..files import ResultFolderError, write_whole
 from .drawing import Drawing
@@ -127,6 +127,7 @@ def summarise(record: RunRecord) -> Dict[str, Any]:
     base = published_name(record.scenario)
     return {
         "scenario": record.scenario,
+        "status": Status(int(record.status[record.servo_rows[-1]])).name,
         "converged": result.converged,
         "settled": result.settled,
         "stopped_by_rule": result.stopped_by_rule,

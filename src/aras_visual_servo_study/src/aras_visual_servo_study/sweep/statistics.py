@@ -10,6 +10,11 @@ from .metrics import known_metrics
 #: Two-sided 95 % of the normal distribution.
 Z_95 = 1.959963984540054
 
+#: Differences of pairs are told apart to so many decimals of s, mm and degrees.
+DECIMALS = 9
+#: The exact distribution of tied ranks is used for so many pairs at most.
+MOST_EXACT = 50
+
 
 def every_run_succeeds(rows: List[Dict[str, Any]]) -> bool:
     """Whether there are runs whose start was not refused, and all of them succeeded: a map of the result would have one
@@ -49,14 +54,25 @@ def signed_rank(a: Sequence[float], b: Sequence[float]) -> float:
     """Two-sided p-value of Wilcoxon's signed-rank test; 1 if all pairs are equal, NaN if there are none.
 
     Pairs without a difference are left out before scipy chooses the method: with them it takes the normal approximation
-    even for few pairs.
+    even for few pairs. Differences are rounded, so that equal ones are ties. scipy's exact table has no half ranks: with
+    it the value of few tied pairs would depend on which of both is a.
     """
-    from scipy.stats import wilcoxon
-    difference = np.asarray(a, dtype=float) - np.asarray(b, dtype=float)
+    from scipy.stats import rankdata, wilcoxon
+    difference = np.round(np.asarray(a, dtype=float) - np.asarray(b, dtype=float), DECIMALS)
     if not len(difference):
         return math.nan
     difference = difference[difference != 0.0]
-    return float(wilcoxon(difference).pvalue) if len(difference) else 1.0
+    size = np.abs(difference)
+    if len(difference) > MOST_EXACT or len(np.unique(size)) == len(difference) > 0:
+        return float(wilcoxon(difference).pvalue)
+    # The number of signs that give each sum of doubled ranks.
+    doubled = np.round(2.0 * rankdata(size)).astype(int) if len(difference) else np.zeros(0, dtype=int)
+    ways = np.zeros(doubled.sum() + 1)
+    ways[0] = 1.0
+    for rank in doubled:
+        ways[rank:] = ways[rank:] + ways[:len(ways) - rank]
+    up = doubled[difference > 0.0].sum()
+    return min(1.0, 2.0 * float(min(ways[:up + 1].sum(), ways[up:].sum()) / ways.sum()))
 
 
 def success_curve(distances: Any, successes: Any, bins: int = 8) -> List[Dict[str, float]]:

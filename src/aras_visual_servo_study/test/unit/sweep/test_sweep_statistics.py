@@ -57,6 +57,8 @@ def test_signed_rank_gives_wilcoxons_own_example():
         warnings.simplefilter("error")
         assert signed_rank([*difference, 5.0], [0] * len(difference) + [5.0]) == pytest.approx(0.0413, abs=TABLE)
     assert math.isnan(signed_rank([], []))
+    a, b = [0.3, 0.2, 0.9, 2.7, 1.1, 0.7], [0.2, 0.3, 0.4, 2.9, 1.0, 0.5]  # 0.3 - 0.2 is not 0.1
+    assert signed_rank(a, b) == signed_rank(b, a)
 
 
 def test_the_curve_counts_every_run_once():
