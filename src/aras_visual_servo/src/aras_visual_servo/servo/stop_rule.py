@@ -53,8 +53,8 @@ class StopSettings:
 
     rule: str = setting(
         "pose", choices=RULES,
-        help="`pose`: features, tilt and pose, as below. `published`: `thresholds` alone; the run ends as "
-             "STOPPED_BY_RULE, never as CONVERGED.")
+        help="`pose`: features, tilt and pose, as below. `published`: only every error below its threshold, in each "
+             "image of `hold_s`; the run ends as STOPPED_BY_RULE, never as CONVERGED.")
     tilt_rad: float = setting(
         0.0005, unit="rad", above=0,
         help="Largest angle of the optical axis to its taught direction, by the joints, if the servo holds it "
