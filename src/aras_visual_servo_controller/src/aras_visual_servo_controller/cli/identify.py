@@ -28,6 +28,9 @@ BANDWIDTH = ".bandwidth"
 
 NOT_CONVERGED = (f"the fit of the joints did not converge: its values have no intervals, and {OVERLAY} is not written. "
                  "Record a longer motion, or start from a model that is nearer to the arm.")
+MODEL_ERROR = ("the model leaves {:.1f} times the noise of the joint states: the arm has something that the model lacks, "
+               "such as jitter of the commands, elastic joints or other inertias than those of the URDF. The intervals "
+               "count it as noise that is correlated over 0.5 s; it may shift values by more.")
 
 
 def _options(parser: ArgumentParser) -> None:
@@ -78,7 +81,7 @@ def _identify(arguments: Namespace) -> int:
 
 def _identified(arguments: Namespace, scenario: Scenario) -> Dict[str, str]:
     """The files of the result, name -> text."""
-    from ..identification.twin import identify_twin
+    from ..identification.twin import EXPLAINED, identify_twin
     recording, notes = _recording(arguments, scenario)
     seen = _seen(arguments, scenario, recording)
     twin = identify_twin(recording, scenario, arguments.payload, progress=_progress() if sys.stderr.isatty() else None)
@@ -95,14 +98,16 @@ def _identified(arguments: Namespace, scenario: Scenario) -> Dict[str, str]:
     for row in unknown:
         apart = f"cannot be told apart from {row['others']}" if row["others"] else "this bag does not tell it"
         print(f"{row['name']}: {apart}; {row['motion']}")
-    if not twin.converged:
-        notes += (NOT_CONVERGED,)
-        print(NOT_CONVERGED)
+    remark = NOT_CONVERGED if not twin.converged else MODEL_ERROR.format(twin.by_noise) if twin.by_noise > EXPLAINED \
+        else None
+    if remark is not None:
+        notes += (remark,)
+        print(remark)
     held, units = twin.held_out, study("report.joint_units").joint_units(scenario.urdf_xml())
     print("held-out part, root mean square error: " + ", ".join(
         f"{name} {units[name][0] * value:.2g} {units[name][1]}" for name, value in held.items()))
     numbers = {"robot": arguments.robot, "bag": arguments.bag, "held_out": held, "residual": found.residual,
-               "converged": twin.converged,
+               "converged": twin.converged, "residual_by_noise": twin.by_noise,
                "estimates": {name: {"value": each.value, "unit": each.unit, **(
                    {"stddev": each.stddev, "interval": each.interval} if math.isfinite(each.stddev) else {})}
                    for name, each in found.estimates.items()},

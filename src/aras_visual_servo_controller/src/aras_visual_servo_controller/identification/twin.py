@@ -46,6 +46,9 @@ CONVERGED = 1.0
 #: And if it leaves less than this many times the noise, and of the held-out part less than this many times what it
 #: leaves of the rest and what the uncertainty of the parameters predicts: otherwise the model is wrong, or the minimum.
 EXPLAINED = 3.0
+#: Or less than this part of the standard deviation of each joint's positions: no model of an arm explains all but the
+#: noise of good encoders. Residuals are then correlated over this time. [s]
+MODEL_ERROR, MODEL_LAG_S = 0.005, 0.5
 #: Fits are tried so often; the next one begins where the profile of the cost found a lower one.
 ATTEMPTS = 3
 #: Static friction is looked for with these parts of the joint's highest speed as the one over which it fades, and with
@@ -59,8 +62,8 @@ SIGNIFICANT = 4.0
 #: Static friction is not told where its interval is wider than Coulomb friction and than this part of its range.
 STRIBECK_TOLD = 0.1
 #: A fit that leaves more than EXPLAINED times the noise begins anew, with the model's gains and the payload's mass
-#: multiplied by these; the lowest cost counts.
-STARTS = ((1.0, 1.0), (1.0, 0.2), (3.0, 1.0))
+#: multiplied by these; the lowest cost counts. One that was found twice, within this part, is the minimum.
+STARTS, SAME = ((1.0, 1.0), (3.0, 0.2), (0.3, 1.0)), 0.01
 #: A joint moved both ways if the shorter way is more than this many times the noise of its positions.
 BOTH_WAYS = 20.0
 #: Residuals may be correlated over this many samples.
@@ -78,6 +81,7 @@ class Twin:
         names: k parameters that were fitted.  covariance: (k, k) of these, in their units.
         converged: whether the fit reached a minimum that explains the recording. If not, the standard deviations are
         infinite.
+        by_noise: root mean square residual of the fitted part by the noise; about 1 where the model is complete.
         bandwidth: of each joint's loop, by joint [Hz].
         overlay: the part of a scenario that makes it this robot.
         times_s: (k,) stamps of the joint states that were compared, from the first command on.
@@ -89,6 +93,7 @@ class Twin:
     names: Tuple[str, ...]
     covariance: np.ndarray
     converged: bool
+    by_noise: float
     bandwidth: Dict[str, Estimate]
     overlay: Dict[str, Any]
     joint_names: Tuple[str, ...]
@@ -125,7 +130,8 @@ def identify_twin(recording: Recording, scenario: Scenario, payload_link: Option
             fit, x, untold = _fitted(recording, scenario, payload_link, pool, gains, mass, progress)
             cost = fit.cost(x)
             found.append((cost, fit, x, untold))
-            if cost < EXPLAINED**2 * fit.samples:
+            costs = sorted(each[0] for each in found)
+            if costs[0] < EXPLAINED**2 * fit.samples or costs[1:] and costs[1] < (1.0 + SAME) * costs[0]:
                 break
         _, fit, x, untold = min(found, key=lambda each: each[0])
         return fit.twin(x, payload_link, untold)
@@ -154,7 +160,7 @@ def _fitted(recording: Recording, scenario: Scenario, payload_link: Optional[str
             return fit, x, untold
         # The minima of both models are compared, not a minimum with the place at which a fit has stopped.
         x = min(x, fit.from_other(wider, lower), key=fit.cost)
-        if fit.cost(x) - wider.cost(lower) < KEPT * len(seen) * fit.cost(x) / fit.samples:
+        if fit.cost(x) - wider.cost(lower) < KEPT * len(seen) * fit.inflation(x) * fit.cost(x) / fit.samples:
             return fit, x, untold
         fit, x, speeds = wider, lower, {**speeds, **seen}
 
@@ -222,6 +228,7 @@ class _Fit:
         """
         robot, rows = self._robot, self._robot.fit
         weights, now, _ = self._scaled(x)
+        inflation = self.inflation(x)
         fitted = np.linalg.qr(self.jacobian(x, rows, weights, now).reshape(-1, len(x)))[0]
         position = self._recording.position[robot.used]
         top = np.max(np.abs(np.gradient(position, self._recording.period_s, axis=0)), axis=0)
@@ -248,7 +255,7 @@ class _Fit:
                 if size * most > HALF_95:
                     told.add(name)
                 fall = -float(alone @ now.ravel()) / max(size, 1e-12)
-                if fall > 0.0 and fall**2 > max(SEEN, seen.get(name, (0.0, 0.0))[0]):
+                if fall > 0.0 and fall**2 > max(SEEN * inflation, seen.get(name, (0.0, 0.0))[0]):
                     seen[name] = (fall**2, speeds[name])
         return {name: speed for name, (_, speed) in seen.items()}, [name for name in asked if name not in told]
 
@@ -258,7 +265,19 @@ class _Fit:
         J = self.jacobian(x, self._robot.fit, weights, now).reshape(-1, len(x))
         stddev = np.sqrt(np.diag(np.linalg.inv(J.T @ J + np.eye(len(x)) / PRIOR_RANGES**2))) * self._ranges
         at = {name: self._names.index(name + STRIBECK) for name in joints}
-        return {name for name, i in at.items() if x[i] < SIGNIFICANT * stddev[i]}
+        most = SIGNIFICANT * np.sqrt(self.inflation(x))
+        return {name for name, i in at.items() if x[i] < most * stddev[i]}
+
+    def inflation(self, x: np.ndarray) -> float:
+        """Returns by how much the correlation of the residuals over time inflates the variance of their sums, >= 1."""
+        _, now, scale = self._scaled(x)
+        lags = self._lags(scale)
+        both = [float(np.sum(now[:, lag:] * now[:, :-lag])) * (1.0 - lag / (lags + 1.0)) for lag in range(1, lags + 1)]
+        return max(1.0, 1.0 + 2.0 * sum(both) / max(float(np.sum(now**2)), 1e-12))
+
+    def _lags(self, scale):
+        """Samples over which residuals may be correlated. Args: scale: of the residuals by the noise."""
+        return LAGS if scale < EXPLAINED else round(MODEL_LAG_S / self._recording.period_s)
 
     def jacobian(self, x, rows, weights, now):
         """(channels, n, parameters) of derivatives of the residual by parameters in units of their ranges."""
@@ -361,14 +380,16 @@ class _Fit:
         repeated = (held_out < EXPLAINED * residual) | one_way
         if not np.all(repeated):
             repeated |= held_out < EXPLAINED * np.hypot(residual, self._predicted(x, flat, scale))
-        explained = scale < EXPLAINED and np.all(repeated)
+        complete = scale < EXPLAINED
+        most = np.maximum(MODEL_ERROR * np.std(measured[:len(rows)], axis=0), EXPLAINED / self._weights[:len(residual)])
+        explained = np.all(repeated) and (complete or np.all(residual < most))
         converged = bool(near and found.lower is None and explained)
         groups = np.repeat(np.arange(len(now)), now.shape[1])
-        cov = covariance(inverse, now.ravel(), groups, LAGS)
+        cov = covariance(inverse, now.ravel(), groups, self._lags(scale))
         # The simulator delays commands by whole periods.
         cov[self._delay, self._delay] += (robot.period_s / self._ranges[self._delay])**2 / 12.0
         stddev = np.sqrt(np.diag(cov))
-        sides = _sides(found, cov) if converged else HALF_95 * np.stack([stddev, stddev])
+        sides = _sides(found, cov) if converged and complete else HALF_95 * np.stack([stddev, stddev])
         unknown = self._unknown(x, flat, null, sides.max(axis=0))
         for name in (joint for joint, only in zip(robot.names, one_way) if only and f"{joint}.friction" in names):
             unknown[f"{name}.friction"] = (name + START,)
@@ -391,7 +412,7 @@ class _Fit:
         if STATE_DELAY in estimates:
             section["time"] = {STATE_DELAY: round(max(estimates[STATE_DELAY].value, 0.0), 6)}
         return Twin(Identified(estimates, rest, dict(zip(robot.names, residual.tolist()))), tuple(names), cov,
-                    converged, bandwidths(robot, x, cov, measured.mean(axis=0)), section, robot.names,
+                    converged, float(scale), bandwidths(robot, x, cov, measured.mean(axis=0)), section, robot.names,
                     self._recording.times_s[robot.used] - robot.start_s, measured, q, len(rows))
 
     def _one_way(self):

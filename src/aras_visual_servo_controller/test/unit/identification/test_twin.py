@@ -37,7 +37,7 @@ def scenario(folder, dynamics=None, **sim):
     return Scenario("two", "", robot, sim, {}, {}, {}, {})
 
 
-def recording(folder, rng, kind, still=(), seconds=4.0, back=None, hold_s=0.0, **more):
+def recording(folder, rng, kind, still=(), seconds=4.0, back=None, hold_s=0.0, noise=NOISE, **more):
     """With `back`, J2 moves one way at a constant speed, and back after this part of the time. The arm is told first to
     stay where it was told to be for hold_s."""
     loops = {name: {key: TRUTH[f"{name}.{key}"] for key in "pd"} for name in ("J1", "J2")}
@@ -63,7 +63,7 @@ def recording(folder, rng, kind, still=(), seconds=4.0, back=None, hold_s=0.0, *
         sim.step(10)
         rows.append((sim.time_s, sim.joint_positions, sim.joint_velocities))
     times, q, v = (np.array(column) for column in zip(*rows))
-    return Recording(("J1", "J2"), times, q + rng.normal(0.0, NOISE, q.shape), v + rng.normal(0.0, 1e-3, v.shape),
+    return Recording(("J1", "J2"), times, q + rng.normal(0.0, noise, q.shape), v + rng.normal(0.0, 10.0 * noise, v.shape),
                      commands=Commands(kind, np.array(stamps), np.array(values)))
 
 
@@ -170,6 +170,20 @@ def test_a_profile_follows_a_cost_that_is_no_parabola():
         lower = profile(lambda way: np.append(slope @ way, 9.0 * (way[0] < 0.05)),
                         np.vstack([slope, np.zeros(2)]), pool).lower
         assert lower is not None and lower[0] > 0.05
+
+
+def test_what_the_model_lacks_widens_the_intervals_and_is_told(tmp_path):
+    rng = np.random.default_rng(5)
+    exact = recording(tmp_path, rng, "position", seconds=8.0, noise=1e-5)
+    jitter_s = rng.uniform(-0.0015, 0.0015, len(exact.commands.times_s))
+    commands = dataclasses.replace(exact.commands, times_s=exact.commands.times_s + jitter_s)
+    late = dataclasses.replace(exact, commands=commands)
+    twin, plain = (identify_twin(each, scenario(tmp_path)) for each in (late, exact))
+    assert twin.converged and twin.by_noise > 3.0 and plain.converged and plain.by_noise < 3.0
+    found, narrow = (each.identified.estimates for each in (twin, plain))
+    for name in ("J1.p", "J1.d", "J2.p", "J2.d", "gravity_scale"):
+        assert found[name].value == pytest.approx(TRUTH[name], rel=0.05)
+        assert found[name].stddev > 3.0 * narrow[name].stddev
 
 
 def test_a_joint_that_rests_is_named_with_the_motion_that_would_tell_it(tmp_path):
