@@ -94,6 +94,17 @@ def test_everything_that_is_missing_is_a_row_with_file_and_line(robot, capsys):
         ("mesh", "package://doctor_robot/meshes/a.stl", "doctor_robot/urdf/r.xacro")}
 
 
+def test_another_python_that_comes_first_in_the_path_is_named(robot, tmp_path, monkeypatch, capsys):
+    other = tmp_path / "pyenv" / "python3"
+    other.parent.mkdir()
+    other.write_text("#!/bin/sh\n")
+    other.chmod(0o755)
+    monkeypatch.setenv("PATH", "/usr/bin:" + os.environ["PATH"])
+    assert not any(row[:2] == ("program", "python3") for row in rows(capsys, "doctor_robot", "all.launch")[1])
+    monkeypatch.setenv("PATH", "%s:%s" % (other.parent, os.environ["PATH"]))
+    assert any(row[:2] == ("program", "python3") for row in rows(capsys, "doctor_robot", "all.launch")[1])
+
+
 def test_arguments_of_the_launch_file_count(robot, capsys):
     _, found = rows(capsys, "doctor_robot", "all.launch", "plans:=true", "world:=worlds/empty.world")
     assert ("package", "doctor_robot_moveit_config", "doctor_robot/launch/all.launch:6") in found

@@ -39,6 +39,7 @@ def examine(path: str, arguments: typing.Dict[str, str]) -> typing.List[Finding]
         own = {*launch.packages, *python.modules_in(files)}
         for file in files:
             findings += python.findings_of(file, own)
+        findings += python.wrong_interpreter(files)
     return findings
 
 

@@ -3,6 +3,7 @@ import ast
 import importlib.util
 import os
 import re
+import shutil
 import typing
 
 from .findings import Finding, advice_for
@@ -13,6 +14,8 @@ OLD_NAMES = {"xrange", "raw_input", "unicode", "unichr", "basestring", "execfile
 OLD_MODULES = {"Queue": "queue", "Tkinter": "tkinter", "ConfigParser": "configparser", "urllib2": "urllib.request",
                "cPickle": "pickle", "StringIO": "io", "commands": "subprocess", "thread": "_thread",
                "tkMessageBox": "tkinter.messagebox", "__builtin__": "builtins", "HTMLParser": "html.parser"}
+#: The Python that Debian's modules belong to.
+DEBIANS = "/usr/bin/python3"
 CONFLICT = re.compile(r"[<=>]{7}(\s|$)")  #: lines that git writes into files
 TO_3 = "written for Python 2; `2to3 -w FILE` mends most of it"
 
@@ -93,3 +96,16 @@ def is_there(name: str) -> bool:
         return importlib.util.find_spec(name) is not None
     except (ImportError, ValueError):
         return False
+
+
+def wrong_interpreter(files: typing.Iterable[str]) -> typing.List[Finding]:
+    """Returns a Finding of the first program that env gives to a Python other than Debian's, for which ROS is built."""
+    first = shutil.which("python3")
+    if first is None or os.path.realpath(first) == os.path.realpath(DEBIANS):
+        return []
+    for file in files:
+        with open(file, "rb") as stream:
+            if re.match(rb"#!\s*/usr/bin/env\s+python", stream.readline(200)):
+                return [Finding("program", "python3", file + ":1", "env finds %s, which lacks Debian's modules: export "
+                                "PATH=/usr/bin:$PATH" % first)]
+    return []

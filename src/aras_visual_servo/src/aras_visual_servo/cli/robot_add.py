@@ -1,13 +1,14 @@
 """The word `robot add`: the files of an arm of your own, from its URDF."""
 
 import re
+import sys
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 from typing import Dict, Optional
 
 from . import EXIT_PASSED, Command, check_name, command_line, file, write_new
 from .robot_check import add_urdf, text_of
-from ..ground.errors import ParameterError
+from ..ground.errors import ArasError, ParameterError
 
 HEAD = """\
 # The arm {name}. It runs alone with the task below, and under any other scenario. From the folder above:
@@ -61,7 +62,26 @@ def _work(arguments: Namespace) -> int:
     made["scenario.yaml"] = HEAD.format(name=name, folder=folder.name) + scenario
     write_new(folder, made)
     print(f"{folder}: {', '.join(made)} written; run it:  {command_line('run', folder / 'scenario.yaml')}")
+    fault = _unseen(folder / "scenario.yaml")
+    if fault:
+        print(f"note: the camera cannot teach its view at the home: {fault}. If the arm is in the image, choose another "
+              "--home, --camera-xyz or --camera-rpy", file=sys.stderr)
     return EXIT_PASSED
+
+
+def _unseen(path: Path) -> str:
+    """Why the view at the home cannot be taught, e.g. because the arm is in the image; "" if it can."""
+    from ..runs.loop import ServoLoop
+    from ..scenario.scenario import load_scenario
+    scenario = load_scenario(path)
+    try:
+        loop = ServoLoop(scenario)
+        loop.place(loop.kinematics.by_name(scenario.goal_posture(loop.kinematics)), loop.sequence.config.settle_s)
+        for _ in loop.teach(loop.sequence.config.z_star_m):
+            pass
+    except ArasError as error:
+        return str(error)
+    return ""
 
 
 COMMAND = Command("Make the files of an arm from its URDF: joint controllers, and a scenario with a home, a start and "

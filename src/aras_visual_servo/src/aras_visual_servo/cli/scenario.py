@@ -19,8 +19,19 @@ def _list(arguments: Namespace) -> int:
     return EXIT_PASSED
 
 
+def _show_options(parser: ArgumentParser) -> None:
+    add_scenario(parser)
+    parser.add_argument("--plain-robot", action="store_true",
+                        help="refuse robot.dynamics, for launch files: they load URDF and controllers as the files are")
+
+
 def _show(arguments: Namespace) -> int:
-    print(scenario_of(arguments).as_yaml(), end="")
+    scenario = scenario_of(arguments)
+    if arguments.plain_robot and scenario.robot.get("dynamics"):
+        again = command_line("run", arguments.scenario, "--ros")
+        raise ParameterError("robot.dynamics: found friction, loops or a payload, allowed none in servo.launch, which "
+                             f"loads URDF and controllers as the files are: start it with {again}")
+    print(scenario.as_yaml(), end="")
     return EXIT_PASSED
 
 
@@ -106,7 +117,7 @@ VERBS = {"scenario": {
                     lambda parser: None, _list),
     "show": Command("Print a scenario as it runs, with the scenarios that it extends and all changes.",
                     [("experiment_2 --set sim.seed=3", "with another seed"), ("mine.yaml", "a file of your own")],
-                    add_scenario, _show),
+                    _show_options, _show),
     "new": Command("Write a commented starter scenario. It extends another one and lists every key with its "
                    "meaning.", [("mine", "mine.yaml, which extends experiment_1"),
                                 ("mine six_dof_points", "it extends another one")], _new_options, _new),

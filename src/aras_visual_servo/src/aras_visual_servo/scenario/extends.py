@@ -58,7 +58,8 @@ def load_resolved(path: Path, robot: Optional[str] = None) -> Tuple[Dict[str, An
     """Reads a scenario file with everything that it extends in place.
 
     Args:
-        robot: name or path of an arm that takes the place of the scenario's.
+        robot: name or path of an arm that takes the place of the scenario's. A scenario that extends this arm stays as
+            it is, and `real` of one that extends no arm overrides that of the arm.
     Returns:
         (document, files): nested dict without `extends`, `task` and names of arms, with marks as of `merge`; the files
             that it is made of, the first extended one first.
@@ -67,10 +68,14 @@ def load_resolved(path: Path, robot: Optional[str] = None) -> Tuple[Dict[str, An
     """
     path = Path(path)
     document, files = _load(path, ())
-    if robot is not None:
+    where = f"--set robot={robot}"
+    if robot is not None and _found(robot, where, Path()) not in [file.resolve() for file in files]:
         own = {"name": document.get("name"), "description": document.get("description", "")}
-        document, files = _extended([(f"--set robot={robot}", robot)], document, files, Path(), (), arm=True)
+        real = None if any(TASK in load_yaml(file) for file in files) else document.get("real")
+        document, files = _extended([(where, robot)], document, files, Path(), (), arm=True)
         document.update(own, name=f"{document.get('name')}_{own['name']}")
+        if real is not None:
+            document["real"] = _merged(document.get("real"), real)
     way = tuple(file.resolve() for file in files)
     while TASK in document:
         where, beneath = f"{path}: {TASK}", document.pop(TASK)

@@ -319,3 +319,12 @@ def test_a_program_of_another_installation_is_refused(tmp_path):
     refused = subprocess.run(command, capture_output=True, text=True, timeout=240)
     assert refused.returncode == cli.EXIT_BROKEN
     assert str(package) in refused.stderr and str(pathlib.Path(cli.__file__).parents[1]) in refused.stderr
+
+
+def test_a_launch_file_refuses_a_robot_that_it_would_not_simulate(tmp_path, capsys):
+    mine = tmp_path / "mine.yaml"
+    mine.write_text("name: mine\nextends: experiment_1\nrobot: {dynamics: {friction: {J1: 0.5}}}\n")
+    assert main(["scenario", "show", str(mine)]) == 0
+    assert main(["scenario", "show", "--plain-robot", str(mine)]) == 2
+    assert "robot.dynamics" in capsys.readouterr().err
+    assert main(["scenario", "show", "--plain-robot", "experiment_1"]) == 0

@@ -360,3 +360,13 @@ def test_a_starter_has_every_key_of_the_schema_once_with_its_meaning():
         assert re.findall(r"^#  ([\w]+):", part, re.MULTILINE) == list(properties[section]["properties"])
     assert "## [1/s] > 0 by name: Rate at which each feature decays" in text
     assert max(map(len, text.splitlines())) <= 160
+
+
+def test_an_arm_put_under_a_scenario_does_not_undo_what_the_scenario_says_of_the_real_arm(tmp_path):
+    own = written(tmp_path, "own", "name: own\nextends: [ur5e, six_dof_points]\n"
+                                   "real: {controller: /nowhere}\nservo: {time_limit_s: 7.0}\n")
+    plain = written(tmp_path, "plain", "name: plain\nextends: six_dof_points\nreal: {controller: /nowhere}\n")
+    assert load_scenario(own, {"robot": "ur5e"}).as_dict() == load_scenario(own).as_dict()
+    under = load_scenario(plain, {"robot": "ur5e"})
+    assert under.real["controller"] == "/nowhere" and under.robot == load_scenario("ur5e").robot
+    assert load_scenario(own, {"robot": "panda"}).real == load_scenario("panda").real

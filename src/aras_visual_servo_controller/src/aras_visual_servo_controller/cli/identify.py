@@ -23,6 +23,8 @@ from ..identification.estimates import Estimate, Identified
 BEYOND = 0.1
 OVERLAY, PAGE, NUMBERS, MOTION = "robot.identified.yaml", "identified.html", "identified.json", "excite.yaml"
 CAMERA = "camera.yaml"
+#: Without a terminal, progress is shown at this distance. [s]
+SHOWN_S = 30.0
 #: End of the names of the loops' bandwidths (-3 dB).
 BANDWIDTH = ".bandwidth"
 
@@ -84,7 +86,7 @@ def _identified(arguments: Namespace, scenario: Scenario) -> Dict[str, str]:
     from ..identification.twin import EXPLAINED, identify_twin
     recording, notes = _recording(arguments, scenario)
     seen = _seen(arguments, scenario, recording)
-    twin = identify_twin(recording, scenario, arguments.payload, progress=_progress() if sys.stderr.isatty() else None)
+    twin = identify_twin(recording, scenario, arguments.payload, progress=_progress())
     found = twin.identified
     if seen is not None:
         found = Identified({**found.estimates, **seen.identified.estimates}, found.unknown + seen.identified.unknown,
@@ -134,11 +136,17 @@ def _identified(arguments: Namespace, scenario: Scenario) -> Dict[str, str]:
 
 
 def _progress() -> Callable[[float, float], None]:
-    begun = time.monotonic()
+    """Shows the iterations: in a terminal on one line, elsewhere every SHOWN_S."""
+    begun = shown = time.monotonic()
+    terminal = sys.stderr.isatty()
 
     def told(seconds: float, error: float) -> None:
+        nonlocal shown
+        if not terminal and time.monotonic() - shown < SHOWN_S:
+            return
+        shown = time.monotonic()
         print(f"{time.monotonic() - begun:5.0f} s: fitting {seconds:3.0f} s of the recording, error "
-              f"{error:.3g} times the noise   ", end="\r", file=sys.stderr, flush=True)
+              f"{error:.3g} times the noise   ", end="\r" if terminal else "\n", file=sys.stderr, flush=True)
     return told
 
 
