@@ -62,7 +62,9 @@ def test_a_reader_that_has_gone_ends_the_command_quietly(words, buffered):
                               timeout=60, env={**os.environ, "PYTHONUNBUFFERED": buffered})
     finally:
         os.close(writing)
-    assert (done.returncode, done.stderr) == (128 + signal.SIGPIPE, "")
+    # The argparse of Python 3.12 and later ignores that its help cannot be written.
+    ignored = sys.version_info >= (3, 12) and words == ["--help"] and buffered
+    assert (done.returncode, done.stderr) == (0 if ignored else 128 + signal.SIGPIPE, "")
 
 
 def test_a_pipe_that_is_not_the_output_is_an_error_of_the_command(monkeypatch, capsys):
