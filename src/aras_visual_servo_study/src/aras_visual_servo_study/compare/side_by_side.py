@@ -14,7 +14,8 @@ from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d import Axes3D
 
 import aras_visual_servo as avs
-from aras_visual_servo import Outline, RunRecord, judge, load_scenario, measures, palette, scenario_from_dict, track_of
+from aras_visual_servo import (Outline, ParameterError, RunRecord, fit_decay, judge, load_scenario, measures, palette,
+                               scenario_from_dict, track_of)
 from ..files import write_whole
 from ..report.figure import STYLE, draw_panel, save_both
 from ..report.page import flat_settings
@@ -26,6 +27,8 @@ from ..sweep.judge import judge_row
 
 #: File of a result folder with the whole scenario of a run in one process.
 SCENARIO_FILE = "run.yaml"
+#: Rates of decay and differing settings in the table of the terminal, at most.
+MOST_DECAYS, MOST_DIFFERENCES = 8, 10
 
 
 @dataclass
@@ -44,9 +47,12 @@ def read_run(source: str, changes: Optional[Dict[str, Any]] = None) -> Run:
 
     Args: source: a scenario by name or path, which is run here with `changes`; or a bag, a folder of bags, or the
         folder of a run without a bag, which is run again as it was.
-    Raises: ParameterError: there is no such scenario.  BagError: the bags hold no run.
+    Raises: ParameterError: there is no such scenario, or changes of a recorded run.  BagError: the bags hold no run.
     """
     path = Path(source)
+    if changes and (path.suffix == ".bag" or path.is_dir()):
+        raise ParameterError(f"{source}: found {', '.join(changes)} to change, allowed nothing with the run of a folder "
+                             "or a bag: name its scenario")
     if path.is_dir() and (path / SCENARIO_FILE).is_file() and not any(path.glob("*.bag*")):
         scenario = load_scenario(str(path / SCENARIO_FILE))
         record, label = avs.run(scenario), f"{scenario.name} ({path.name})"
@@ -105,7 +111,14 @@ def table_of(runs: Sequence[Run]) -> List[Tuple[str, Sequence[str]]]:
     table: List[Tuple[str, Sequence[str]]] = [(title if title != "[deg]" else "error [deg]", texts)
                                               for (_, title, _), texts in zip(TABLE, columns)]
     settled = [settling_s(run.record) for run in runs]
-    return [*table, ("settled [s]", ["–" if np.isnan(value) else f"{value:.2f}" for value in settled])]
+    rates = [fit_decay(run.record) for run in runs]
+    shared = [name for name in rates[0] if all(name in each for each in rates)]
+    return [*table, ("settled [s]", _texts(settled)),
+            *((f"decay {name} [1/s]", _texts([each[name] for each in rates])) for name in shared[:MOST_DECAYS])]
+
+
+def _texts(values):
+    return ["–" if np.isnan(value) else f"{value:.2f}" for value in values]
 
 
 def save_side_by_side(runs: Sequence[Run], folder: Path, command: str) -> Path:
@@ -119,9 +132,11 @@ def save_side_by_side(runs: Sequence[Run], folder: Path, command: str) -> Path:
 def format_runs(runs: Sequence[Run]) -> str:
     """The table of the runs as text for the terminal."""
     width = max(14, *(len(run.label) + 2 for run in runs))
-    lines = [title.ljust(16) + "".join(text.rjust(width) for text in texts)
+    lines = [title.ljust(20) + "".join(text.rjust(width) for text in texts)
              for title, texts in [("", [run.label for run in runs]), *table_of(runs)]]
     lines += [f"{run.label}: {judge(run.record).reason}" for run in runs]
+    lines += [f"differs: {key}: {' / '.join(value or '–' for value in values)}"
+              for key, values in differing(runs)[:MOST_DIFFERENCES]]
     return "\n".join(lines)
 
 

@@ -202,7 +202,7 @@ def test_a_signal_ends_a_comparison_and_its_workers(number, tmp_path):
     assert not psutil.wait_procs(workers, timeout=PATIENCE_S)[1]
 
 
-def test_result_folders_of_runs_in_this_process_are_compared_as_they_were(tmp_path, monkeypatch):
+def test_result_folders_of_runs_in_this_process_are_compared_as_they_were(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert main(["run", "experiment_1", "--set", "servo.gains_per_s.xn=2.0"]) == 0
     [folder] = (tmp_path / "results" / "experiment_1").iterdir()
@@ -210,3 +210,6 @@ def test_result_folders_of_runs_in_this_process_are_compared_as_they_were(tmp_pa
     summary = json.loads((folder / "summary.json").read_text())
     assert run.record.run_hash == summary["run_hash"] and folder.name in run.label
     assert main(["compare", "runs", str(folder), "experiment_1", "--name", "b"]) == 0
+    said = capsys.readouterr().out
+    assert "decay xn [1/s]" in said and "differs: servo.gains_per_s" in said
+    assert main(["compare", "runs", str(folder), "experiment_1", "--set", "sim.seed=3"]) == EXIT_PARAMETERS
