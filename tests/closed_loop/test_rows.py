@@ -22,6 +22,7 @@ class Mine(Feature):
         return row
 '''
 
+
 @pytest.mark.parametrize("name, features, most", [
     ("experiment_1", ("xn", "yn", "an", "alpha"), 0.005), ("six_dof_points", ("x1", "y1", "x4", "y4"), 0.005),
     ("ur5e", ("xn", "yn", "an", "sx", "sy", "alpha"), 0.04)])

@@ -13,8 +13,8 @@ from typing import Any
 try:
     import lazy_loader
 except ModuleNotFoundError as error:
-    raise ModuleNotFoundError(f"{error}: run your program with /usr/bin/python3, for which Debian's packages are installed, "
-                              "or install the wheel", name=error.name) from None
+    raise ModuleNotFoundError(f"{error}: run your program with /usr/bin/python3, for which Debian's packages are "
+                              "installed, or install the wheel", name=error.name) from None
 
 _load, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 

@@ -64,8 +64,8 @@ def _work(arguments: Namespace) -> int:
     print(f"{folder}: {', '.join(made)} written; run it:  {command_line('run', folder / 'scenario.yaml')}")
     fault = _unseen(folder / "scenario.yaml")
     if fault:
-        print(f"note: the camera cannot teach its view at the home: {fault}. If the arm is in the image, choose another "
-              "--home, --camera-xyz or --camera-rpy", file=sys.stderr)
+        print(f"note: the camera cannot teach its view at the home: {fault}. If the arm is in the image, choose "
+              "another --home, --camera-xyz or --camera-rpy", file=sys.stderr)
     return EXIT_PASSED
 
 

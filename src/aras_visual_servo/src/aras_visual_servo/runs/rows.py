@@ -81,7 +81,7 @@ class _Check:
         if not loop.servo.feature_names:
             faults.append("servo.features: found none, allowed features whose rows can be checked")
         if loop.target_pose() is None or loop.eye_to_hand:
-            faults.append("sim.scene.models: found no target that can be moved, allowed one that the arm does not carry")
+            faults.append("sim.scene.models: found no target to move, allowed one that the arm does not carry")
         if faults:
             raise ParameterError(faults)
         loop.place(loop.kinematics.by_name(scenario.goal_posture(loop.kinematics)), config.settle_s)
@@ -101,7 +101,8 @@ class _Check:
         # The arm may give way a little meanwhile.
         X = self._X_CT @ inverse(inverse(self._loop.camera_pose()) @ self._loop.seen_target_pose())
         plane = (self._plane @ X[:3, :3]) / (1.0 - self._plane @ X[:3, 3])
-        return None if self._loop.servo.why_lost(features) else View(features, plane, np.r_[X[:3, 3], rotation_vector(X[:3, :3])])
+        displacement = np.r_[X[:3, 3], rotation_vector(X[:3, :3])]
+        return None if self._loop.servo.why_lost(features) else View(features, plane, displacement)
 
     def _pair(self, X):
         """(rows, differences), (k, 6) each, at a pose; None where a view loses the target."""

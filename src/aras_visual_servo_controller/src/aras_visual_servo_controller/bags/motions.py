@@ -59,8 +59,8 @@ def read_motion(path: Path) -> Motion:
     elif not np.all(np.isfinite(knots)):
         faults.append(f"motion '{path}': points: found numbers that are not finite, allowed finite ones")
     if len(times) and not np.all(np.diff(np.r_[0.0, times]) > 0.0):
-        faults.append(f"motion '{path}': time_from_start: found {times.tolist()[:5]} ..., allowed increasing times above "
-                      "0")
+        faults.append(f"motion '{path}': time_from_start: found {times.tolist()[:5]} ..., allowed increasing times "
+                      "above 0")
     if faults:
         raise ParameterError(faults)
     return Motion(names, times, knots)

@@ -30,9 +30,9 @@ BANDWIDTH = ".bandwidth"
 
 NOT_CONVERGED = (f"the fit of the joints did not converge: its values have no intervals, and {OVERLAY} is not written. "
                  "Record a longer motion, or start from a model that is nearer to the arm.")
-MODEL_ERROR = ("the model leaves {:.1f} times the noise of the joint states: the arm has something that the model lacks, "
-               "such as jitter of the commands, elastic joints or other inertias than those of the URDF. The intervals "
-               "count it as noise that is correlated over 0.5 s; it may shift values by more.")
+MODEL_ERROR = ("the model leaves {:.1f} times the noise of the joint states: the arm has something that the model "
+               "lacks, such as jitter of commands, elastic joints or other inertias than those of the URDF. The "
+               "intervals count it as noise that is correlated over 0.5 s; it may shift values by more.")
 
 
 def _options(parser: ArgumentParser) -> None:

@@ -55,7 +55,8 @@ class SeenArm:
 
     Attributes:
         identified: `image_delay_s` [s], `JOINT.offset` (true minus reported position [m or rad]), `JOINT.backlash`
-        where it shows (full play between reported and true position [m or rad]), `camera.fx`, fy, cx, cy [px], `hand_eye.x` to `turn_z` (from the model's camera frame to the true one, in the former [m, rad]), and
+        where it shows (full play between reported and true position [m or rad]), `camera.fx`, fy, cx, cy [px],
+        `hand_eye.x` to `turn_z` (from the model's camera frame to the true one, in the former [m, rad]), and
         `target.size_m`.
         held_out_px, residual_px: root mean square distance of the corners in the views that were not fitted, and in
         the others [px].
@@ -114,7 +115,7 @@ class _Views:
         self._X_BO = kinematics.camera(self._joints(self._times[:1])[0]) @ camera.pose_of(self._pixels[0], board)
 
     def _joints(self, times, plays=0.0):
-        """(f, m) reported positions in the order of the kinematics, less half of the plays (m,) on the side of motion."""
+        """(f, m) reported positions in the order of the kinematics, less half of the plays (m,) where they move to."""
         q, stamps = self._reported - 0.5 * plays * self._sides, self._recording.times_s
         return np.column_stack([np.interp(times, stamps, column) for column in q.T])
 

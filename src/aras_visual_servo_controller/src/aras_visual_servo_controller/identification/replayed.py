@@ -118,6 +118,7 @@ class ReplayedRobot:
         if faults:
             raise ParameterError(faults)
         self._order: Optional[List[int]] = None
+        assert recording.commands is not None  # or it is a fault
         commands = recording.commands
         stamps = commands.times_s
         self.start_s = stamps[0]

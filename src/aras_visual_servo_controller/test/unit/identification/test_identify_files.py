@@ -13,9 +13,10 @@ from aras_visual_servo_controller.identification.estimates import Identified
 
 @pytest.mark.parametrize("converged", [True, False])
 def test_a_robot_is_written_of_a_fit_that_converged_only(converged, tmp_path, monkeypatch):
-    found = SimpleNamespace(identified=Identified({}, [], 0.0), bandwidth={}, converged=converged, by_noise=1.0, names=[],
-                            held_out={"position": 1e-4}, covariance=np.zeros((0, 0)), joint_names=["a"], times_s=None,
-                            measured=None, simulated=None, fitted=None, overlay={"robot": {"dynamics": {}}})
+    found = SimpleNamespace(identified=Identified({}, [], 0.0), bandwidth={}, converged=converged, by_noise=1.0,
+                            names=[], held_out={"position": 1e-4}, covariance=np.zeros((0, 0)), joint_names=["a"],
+                            times_s=None, measured=None, simulated=None, fitted=None,
+                            overlay={"robot": {"dynamics": {}}})
     monkeypatch.setattr(identify, "_recording", lambda *_: (None, ()))
     monkeypatch.setattr(twin, "identify_twin", lambda *_, **__: found)
     monkeypatch.setattr(identify, "study", lambda _: SimpleNamespace(

@@ -63,8 +63,8 @@ def recording(folder, rng, kind, still=(), seconds=4.0, back=None, hold_s=0.0, n
         sim.step(10)
         rows.append((sim.time_s, sim.joint_positions, sim.joint_velocities))
     times, q, v = (np.array(column) for column in zip(*rows))
-    return Recording(("J1", "J2"), times, q + rng.normal(0.0, noise, q.shape), v + rng.normal(0.0, 10.0 * noise, v.shape),
-                     commands=Commands(kind, np.array(stamps), np.array(values)))
+    q, v = q + rng.normal(0.0, noise, q.shape), v + rng.normal(0.0, 10.0 * noise, v.shape)
+    return Recording(("J1", "J2"), times, q, v, commands=Commands(kind, np.array(stamps), np.array(values)))
 
 
 @pytest.mark.parametrize("kind, hold_s", [("velocity", 0.0), ("position", 0.0), ("position", 2.0)])

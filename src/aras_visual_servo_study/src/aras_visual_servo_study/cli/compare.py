@@ -97,7 +97,7 @@ def _laws(arguments: Namespace) -> int:
 
 def _runs_options(parser: ArgumentParser) -> None:
     parser.add_argument("runs", nargs="+", type=_run_name, metavar="RUN", help="a scenario, by name or path of its "
-                        "YAML file, which is then run in this process; or a result folder; or a bag, or a folder of bags")
+                        "YAML file, which is then run in this process; or a result folder, a bag, or a folder of bags")
     cli.add_changes(parser)
     cli.add_output(parser, "comparisons/runs")
 

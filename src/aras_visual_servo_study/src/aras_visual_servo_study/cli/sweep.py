@@ -71,8 +71,9 @@ def _rerun(arguments: Namespace) -> int:
         print(f"{'sweep':<20}the sweep has not done this run yet, so there is nothing to compare with")
         return cli.EXIT_PASSED
     different = [name for name in row if row[name] != saved[name]]
+    trace = f", trace {row['trace_hash']}" if row["trace_hash"] else ""
     print(f"{'sweep':<20}" + (f"other values than in the sweep: {', '.join(different)}" if different
-                              else "same bytes as in the sweep" + (f", trace {row['trace_hash']}" if row["trace_hash"] else "")))
+                              else f"same bytes as in the sweep{trace}"))
     return cli.EXIT_FAILED if different else cli.EXIT_PASSED
 
 

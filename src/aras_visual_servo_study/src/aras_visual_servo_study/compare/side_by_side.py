@@ -51,8 +51,8 @@ def read_run(source: str, changes: Optional[Dict[str, Any]] = None) -> Run:
     """
     path = Path(source)
     if changes and (path.suffix == ".bag" or path.is_dir()):
-        raise ParameterError(f"{source}: found {', '.join(changes)} to change, allowed nothing with the run of a folder "
-                             "or a bag: name its scenario")
+        raise ParameterError(f"{source}: found {', '.join(changes)} to change, allowed nothing with the run of a "
+                             "folder or a bag: name its scenario")
     if path.is_dir() and (path / SCENARIO_FILE).is_file() and not any(path.glob("*.bag*")):
         scenario = load_scenario(str(path / SCENARIO_FILE))
         record, label = avs.run(scenario), f"{scenario.name} ({path.name})"

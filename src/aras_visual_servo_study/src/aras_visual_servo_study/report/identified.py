@@ -45,9 +45,10 @@ def identified_html(title: str, command: str, joint_names: Sequence[str], times_
         series_of((name, "", colour, "", 1.0, ""), error[thin, i])
         for i, (name, colour) in enumerate(zip(joint_names, colours))], all_units, across=across))
     hertz, density = _spectrum(times_s, error)
+    densities = ", ".join(f"{unit}/√Hz" for unit in all_units.split(", "))
     plots.append(time_plot("spectrum", "spectrum of the residual, flat for noise alone", hertz, [
         series_of((name, "", colour, "", 1.0, ""), density[:, i])
-        for i, (name, colour) in enumerate(zip(joint_names, colours))], ", ".join(f"{unit}/√Hz" for unit in all_units.split(", ")), log=True,
+        for i, (name, colour) in enumerate(zip(joint_names, colours))], densities, log=True,
         across="frequency [Hz]"))
     return render("identified.html.j2", title=title, command=command, rows=rows, unknown=unknown, notes=list(notes),
                   residuals=residuals, plots=plots, held_from=f"{times_s[fitted]:.1f}" if fitted < len(times_s) else "")

@@ -54,8 +54,8 @@ def signed_rank(a: Sequence[float], b: Sequence[float]) -> float:
     """Two-sided p-value of Wilcoxon's signed-rank test; 1 if all pairs are equal, NaN if there are none.
 
     Pairs without a difference are left out before scipy chooses the method: with them it takes the normal approximation
-    even for few pairs. Differences are rounded, so that equal ones are ties. scipy's exact table has no half ranks: with
-    it the value of few tied pairs would depend on which of both is a.
+    even for few pairs. Differences are rounded, so that equal ones are ties. scipy's exact table has no half ranks:
+    with it the value of few tied pairs would depend on which of both is a.
     """
     from scipy.stats import rankdata, wilcoxon
     difference = np.round(np.asarray(a, dtype=float) - np.asarray(b, dtype=float), DECIMALS)
