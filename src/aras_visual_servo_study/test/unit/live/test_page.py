@@ -113,7 +113,6 @@ def test_the_target_is_dragged_in_the_view_and_the_arm_follows(serve, tmp_path):
         assert browser.value("aras.world.plane.visible") is True
         browser.mouse("mouseReleased", end_at)
         assert browser.value("aras.world.plane.visible") is False
-        browser.wait("aras.model.state.status === 'SERVOING'")
         # On a busy machine the arm is home between two steps of the drag: only the last one counts.
         there = [f"Math.abs(aras.model.state.{what}[1] - {before[1] + 0.05}) < 5e-3"
                  for what, before in (("target", target), ("camera", camera))]
@@ -338,9 +337,9 @@ def test_without_webgl_the_page_says_so_and_keeps_the_rest(serve, tmp_path):
         browser.open(serve())
         browser.wait(READY + " && aras.model.rows.length > 20")
         assert "no WebGL" in browser.value("document.querySelector('#no-webgl').textContent")
-        drawn = browser.value("[...document.querySelectorAll('#live, .chart canvas')].map((one) => one.width > 100 && "
-                              "one.getContext('2d').getImageData(0, 0, one.width, one.height).data.some((x) => x))")
-        assert len(drawn) >= 7 and all(drawn)
+        canvases = "[...document.querySelectorAll('#live, .chart canvas')]"
+        browser.wait(f"{canvases}.length >= 7 && {canvases}.every((one) => one.width > 100 && "
+                     "one.getContext('2d').getImageData(0, 0, one.width, one.height).data.some((x) => x))")
         browser.click("#stop")
         browser.wait("aras.model.state.phase === 'done'")
 
