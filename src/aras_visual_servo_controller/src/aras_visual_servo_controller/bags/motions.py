@@ -22,7 +22,7 @@ def spline(times_s: np.ndarray, knots: np.ndarray) -> BPoly:
 
 
 @dataclass(frozen=True)
-class Motion:
+class JointMotion:
     """Attributes:
         joint_names: m names.  times_s: (n,) of the points, from the beginning of the motion.
         knots: (n, 1 or 2, m) positions, and velocities if the file has them [m, rad; per s].
@@ -39,7 +39,7 @@ class Motion:
         return spline(np.r_[0.0, self.times_s], np.vstack([rest, self.knots]))
 
 
-def read_motion(path: Path) -> Motion:
+def read_motion(path: Path) -> JointMotion:
     """Reads what `trajectory_yaml` writes. Raises ParameterError: no such file, with every fault found."""
     try:
         content = yaml.safe_load(path.read_text(encoding="utf-8"))
@@ -63,4 +63,4 @@ def read_motion(path: Path) -> Motion:
                       "above 0")
     if faults:
         raise ParameterError(faults)
-    return Motion(names, times, knots)
+    return JointMotion(names, times, knots)
