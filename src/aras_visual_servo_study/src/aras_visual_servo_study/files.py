@@ -5,6 +5,8 @@ from typing import Union
 
 from aras_visual_servo import ArasError, ParameterError, package_path
 
+#: File of a result folder with the whole scenario of a run in one process.
+SCENARIO_FILE = "run.yaml"
 #: Where Debian's libjs-three puts its files; a wheel has them in its own share.
 THREE = Path("javascript") / "three"
 #: Of three.js, what a page loads: the library, and what turns the view by mouse and finger.

@@ -73,12 +73,8 @@ def _unseen(path: Path) -> str:
     """Why the view at the home cannot be taught, e.g. because the arm is in the image; "" if it can."""
     from ..runs.loop import ServoLoop
     from ..scenario.scenario import load_scenario
-    scenario = load_scenario(path)
     try:
-        loop = ServoLoop(scenario)
-        loop.place(loop.kinematics.by_name(scenario.goal_posture(loop.kinematics)), loop.sequence.config.settle_s)
-        for _ in loop.teach(loop.sequence.config.z_star_m):
-            pass
+        ServoLoop(load_scenario(path)).teach_goal()
     except ArasError as error:
         return str(error)
     return ""

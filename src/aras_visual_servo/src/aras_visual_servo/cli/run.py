@@ -47,14 +47,11 @@ def _work(arguments: Namespace) -> int:
         folder = report.create_result_folder(arguments.output, scenario.name)
         record = run(scenario, progress=_progress() if sys.stderr.isatty() else None,
                      **({"keep_images": True} if arguments.video else {}))
-        study("files").write_whole(folder / SCENARIO_FILE, scenario.as_yaml())
+        files = study("files")
+        files.write_whole(folder / files.SCENARIO_FILE, scenario.as_yaml())
         summary = report.save_results(record, folder, arguments.repeat, video=arguments.video, drawing=drawing)
     print(report.format_summary(summary))
     return EXIT_PASSED if summary["passed"] else EXIT_FAILED
-
-
-#: The whole scenario of a run in this process, in its result folder.
-SCENARIO_FILE = "run.yaml"
 
 
 def _progress() -> Callable[[float, str], None]:

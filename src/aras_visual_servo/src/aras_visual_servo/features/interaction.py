@@ -38,6 +38,12 @@ def plane_from_pose(normal_C: Sequence[float], point_C: Sequence[float]) -> np.n
     return normal / distance
 
 
+def plane_from(X: np.ndarray, plane: np.ndarray) -> np.ndarray:
+    """Returns the plane (A, B, C), (3,) [1/m], as a camera at X, (4, 4), sees it, from that of a camera at 0 (T21)."""
+    seen: np.ndarray = (plane @ X[:3, :3]) / (1.0 - plane @ X[:3, 3])
+    return seen
+
+
 def centred_moments(m: Mapping[str, float], mu: Mapping[str, float], orders: Iterable[Tuple[int, int]],
                     plane: Sequence[float]) -> np.ndarray:
     """L of several mu_ij, (k, 6), i + j >= 2 (T7); needs centred moments to order i + j + 1 and raw ones to order 2.

@@ -179,6 +179,13 @@ class ServoLoop(SimulatedCell):
                 answers.append((*answer[:3], np.array(image), answer[4]))
             yield answer
 
+    def teach_goal(self) -> None:
+        """Puts the arm at the scenario's goal and makes its view the reference. Raises what `teach` raises."""
+        config = self.sequence.config
+        self.place(self.kinematics.by_name(self.scenario.goal_posture(self.kinematics)), config.settle_s)
+        for _ in self.teach(config.z_star_m):
+            pass
+
     def look(self) -> Any:
         """Takes one image and answers nothing. Returns the features that the servo works on."""
         stamp_ns, image, _ = self.take()

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Dict, Tuple
 import numpy as np
 
 from ..features.base import View
+from ..features.interaction import plane_from
 from ..ground.errors import ParameterError
 from ..spatial import exponential, inverse, quaternion_xyzw, rotation_vector
 from .loop import ServoLoop
@@ -77,17 +78,15 @@ def check_rows(scenario: "Scenario", views: int = 4, seed: int = 0) -> RowCheck:
 class _Check:
     def __init__(self, scenario):
         self._loop = loop = ServoLoop(scenario)
-        self._features, config, faults = loop.servo.goal.features, loop.sequence.config, []
+        self._features, faults = loop.servo.goal.features, []
         if not loop.servo.feature_names:
             faults.append("servo.features: found none, allowed features whose rows can be checked")
         if loop.target_pose() is None or loop.eye_to_hand:
             faults.append("sim.scene.models: found no target to move, allowed one that the arm does not carry")
         if faults:
             raise ParameterError(faults)
-        loop.place(loop.kinematics.by_name(scenario.goal_posture(loop.kinematics)), config.settle_s)
-        for _ in loop.teach(config.z_star_m):
-            pass
-        self._plane, self._depth = loop.servo.reference.plane_C, config.z_star_m
+        loop.teach_goal()
+        self._plane, self._depth = loop.servo.reference.plane_C, loop.sequence.config.z_star_m
         if self._plane is None:
             raise ParameterError("servo: the goal of this source tells no plane, without which no row can be checked")
         self._name = loop.sim.model_names[0]
@@ -100,9 +99,8 @@ class _Check:
         features = self._loop.look()
         # The arm may give way a little meanwhile.
         X = self._X_CT @ inverse(inverse(self._loop.camera_pose()) @ self._loop.seen_target_pose())
-        plane = (self._plane @ X[:3, :3]) / (1.0 - self._plane @ X[:3, 3])
         displacement = np.r_[X[:3, 3], rotation_vector(X[:3, :3])]
-        return None if self._loop.servo.why_lost(features) else View(features, plane, displacement)
+        return None if self._loop.servo.why_lost(features) else View(features, plane_from(X, self._plane), displacement)
 
     def _pair(self, X):
         """(rows, differences), (k, 6) each, at a pose; None where a view loses the target."""

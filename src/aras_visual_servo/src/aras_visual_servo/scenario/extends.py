@@ -71,7 +71,9 @@ def load_resolved(path: Path, robot: Optional[str] = None) -> Tuple[Dict[str, An
     where = f"--set robot={robot}"
     if robot is not None and _found(robot, where, Path()) not in [file.resolve() for file in files]:
         own = {"name": document.get("name"), "description": document.get("description", "")}
-        real = None if any(TASK in load_yaml(file) for file in files) else document.get("real")
+        real = document.get("real")
+        if real is not None and any(TASK in load_yaml(file) for file in files):
+            real = None
         document, files = _extended([(where, robot)], document, files, Path(), (), arm=True)
         document.update(own, name=f"{document.get('name')}_{own['name']}")
         if real is not None:

@@ -7,6 +7,7 @@ import numpy as np
 
 from ..arm.kinematics import RobotKinematics
 from ..features.base import FeatureSet, View
+from ..features.interaction import plane_from
 from ..features.sources.base import source_named
 from ..ground.errors import DegenerateFeature, ParameterError
 from ..ground.types import Reference
@@ -109,8 +110,7 @@ class Goal:
         """
         if self.reference is None or self.reference.plane_C is None:
             raise ParameterError("servo: the goal holds no plane, teach it first")
-        X_CgC = self.displacement(X_BC)
-        return (self.reference.plane_C @ X_CgC[:3, :3]) / (1.0 - self.reference.plane_C @ X_CgC[:3, 3])
+        return plane_from(self.displacement(X_BC), self.reference.plane_C)
 
     def plane_at(self, q: Any) -> np.ndarray:
         """`plane` of the camera at joint positions q."""

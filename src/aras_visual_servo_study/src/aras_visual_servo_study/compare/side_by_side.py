@@ -16,7 +16,7 @@ from mpl_toolkits.mplot3d import Axes3D
 import aras_visual_servo as avs
 from aras_visual_servo import (Outline, ParameterError, RunRecord, fit_decay, judge, load_scenario, measures, palette,
                                scenario_from_dict, track_of)
-from ..files import write_whole
+from ..files import SCENARIO_FILE, write_whole
 from ..report.figure import STYLE, draw_panel, save_both
 from ..report.page import flat_settings
 from ..report.template import render
@@ -25,8 +25,6 @@ from .laws_report import COLOURS, FLOOR_DEG, FLOOR_MM, TABLE, cells
 from ..sweep.judge import judge_row
 
 
-#: File of a result folder with the whole scenario of a run in one process.
-SCENARIO_FILE = "run.yaml"
 #: Rates of decay and differing settings in the table of the terminal, at most.
 MOST_DECAYS, MOST_DIFFERENCES = 8, 10
 
