@@ -105,7 +105,7 @@ def _identified(arguments: Namespace, scenario: Scenario) -> Dict[str, str]:
     if remark is not None:
         notes += (remark,)
         print(remark)
-    held, units = twin.held_out, study("report.joint_units").joint_units(scenario.urdf_xml())
+    held, units = twin.held_out, study("report.joint_units").shown_units(scenario.urdf_xml())
     print("held-out part, root mean square error: " + ", ".join(
         f"{name} {units[name][0] * value:.2g} {units[name][1]}" for name, value in held.items()))
     numbers = {"robot": arguments.robot, "bag": arguments.bag, "held_out": held, "residual": found.residual,

@@ -20,7 +20,7 @@ def test_a_robot_is_written_of_a_fit_that_converged_only(converged, tmp_path, mo
     monkeypatch.setattr(identify, "_recording", lambda *_: (None, ()))
     monkeypatch.setattr(twin, "identify_twin", lambda *_, **__: found)
     monkeypatch.setattr(identify, "study", lambda _: SimpleNamespace(
-        identified_html=lambda *_: "<html>", joint_units=lambda _: {"position": (1e3, "mm")}))
+        identified_html=lambda *_: "<html>", shown_units=lambda _: {"position": (1e3, "mm")}))
     (tmp_path / "a.bag").touch()
     code = main(["identify", str(tmp_path / "a.bag"), "--robot", "so101", "--out", str(tmp_path / "out")])
     names = {path.name for path in (tmp_path / "out").iterdir()}

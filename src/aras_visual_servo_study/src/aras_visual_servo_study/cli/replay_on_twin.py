@@ -23,7 +23,7 @@ def _options(parser: ArgumentParser) -> None:
 def _work(arguments: Namespace) -> int:
     from ..compare.on_twin import differences, image_age_s, replay_on_twin
     from ..compare.on_twin_page import on_twin_html, text_of
-    from ..report.joint_units import joint_units
+    from ..report.joint_units import shown_units
     from ..report.report import create_result_folder
     bags = sister("aras_visual_servo_controller", "bags.bag", "`aras-servo replay-on-twin`")
     scenario = load_scenario(arguments.scenario) if arguments.scenario else None
@@ -38,11 +38,11 @@ def _work(arguments: Namespace) -> int:
         (folder / name).write_text(text, encoding="utf-8")
     for key, name in (("settling_s", "settling time [s]"), ("duration_s", "duration [s]")):
         print(f"{name:<20}measured {text_of(numbers[key]['measured']):<10}twin {text_of(numbers[key]['twin'])}")
-    units = {**joint_units(run.scenario.urdf_xml()),
+    units = {**shown_units(run.scenario.urdf_xml()),
              **{style.name: (style.factor, style.read_unit) for style in styles(run.measured.feature_names)}}
     for kind in ("features", "joints"):
         print(f"difference of {kind}, root mean square: " + ", ".join(
-            f"{name} {text_of(of['rms'] and units[name][0] * of['rms'], 2)} {units[name][1]}"
+            f"{name} {text_of(of['rms'], 2, units[name][0])} {units[name][1]}"
             for name, of in numbers[kind].items()))
     for note in dict.fromkeys(run.notes):
         print(f"note: {note}")

@@ -7,7 +7,7 @@ import numpy as np
 from aras_visual_servo import palette, styles
 from .on_twin import OnTwin, feature_of, joint_of
 from .settling import SETTLED_PART, error_size
-from ..report.joint_units import joint_units
+from ..report.joint_units import shown_units
 from ..report.plots import series_of, time_plot
 from ..report.template import render
 
@@ -23,7 +23,7 @@ def on_twin_html(run: OnTwin, numbers: Dict[str, Any], title: str, command: str)
     for style in styles(run.measured.feature_names):
         plots.append(_plot(run, f"feature_{style.name}", style.name, f"e [{style.read_unit}]",
                            lambda record, style=style: style.factor * feature_of(record, style.name)))
-    units = joint_units(run.scenario.urdf_xml())
+    units = shown_units(run.scenario.urdf_xml())
     for name in run.measured.joint_names:
         factor, unit = units[name]
         plots.append(_plot(run, f"joint_{name}", name, unit,
@@ -33,9 +33,9 @@ def on_twin_html(run: OnTwin, numbers: Dict[str, Any], title: str, command: str)
                   part=f"{100 * SETTLED_PART:g}")
 
 
-def text_of(number: Any, digits: int = 3) -> str:
-    """Returns a number for people, a dash for None."""
-    return "–" if number is None else f"{number:.{digits}g}"
+def text_of(number: Any, digits: int = 3, factor: float = 1.0) -> str:
+    """Returns a number times a factor for people, a dash for None."""
+    return "–" if number is None else f"{factor * number:.{digits}g}"
 
 
 def _summary(numbers):
@@ -49,17 +49,16 @@ def _features(run, numbers) -> List[Dict[str, Any]]:
     rows = []
     for style in styles(run.measured.feature_names):
         of = numbers["features"][style.name]
-        scaled = [None if value is None else style.factor * value for key in ("start", "final")
-                  for value in (of[key][one] for one in BOTH)]
-        rms = None if of["rms"] is None else style.factor * of["rms"]
+        scaled = [*(of[key][one] for key in ("start", "final") for one in BOTH), of["rms"]]
         rows.append({"name": f"{style.name} [{style.read_unit}]", "cells": [
-            *map(text_of, scaled), text_of(rms), *(text_of(of["settling_s"][one]) for one in BOTH)]})
+            *(text_of(value, factor=style.factor) for value in scaled),
+            *(text_of(of["settling_s"][one]) for one in BOTH)]})
     return rows
 
 
 def _joints(numbers, units):
     return [{"name": f"{name} [{units[name][1]}]",
-             "cells": [text_of(None if of[key] is None else units[name][0] * of[key]) for key in ("rms", "largest")]}
+             "cells": [text_of(of[key], factor=units[name][0]) for key in ("rms", "largest")]}
             for name, of in numbers["joints"].items()]
 
 

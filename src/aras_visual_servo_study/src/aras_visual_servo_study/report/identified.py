@@ -24,7 +24,7 @@ def identified_html(title: str, command: str, joint_names: Sequence[str], times_
         times_s: (k,) from the first command on.  measured, simulated: (k, m) positions [m or rad].
         fitted: samples that were fitted; the others are held out.
         rows: name, value, interval and unit of each estimate, as texts.  unknown: name, others and motion.
-        units: of `joint_units`, for the positions.
+        units: of `shown_units`, for the positions.
     """
     factors = np.array([units[name][0] for name in joint_names])
     measured, simulated = factors * measured, factors * simulated

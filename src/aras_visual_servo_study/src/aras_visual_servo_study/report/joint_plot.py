@@ -6,7 +6,7 @@ from typing import Any, Dict, Optional
 import numpy as np
 
 from aras_visual_servo import ArasError, RunRecord, palette, scenario_from_dict
-from .joint_units import joint_units
+from .joint_units import shown_units
 from .plots import series_of, time_plot
 
 DASH = "6 3"  # of a joint without limits
@@ -25,7 +25,7 @@ def joint_plot(record: RunRecord) -> Optional[Dict[str, Any]]:
         return None
     if not len(rows) or not set(kinematics.joint_names) <= set(record.joint_names):
         return None
-    units = joint_units(scenario.urdf_xml())
+    units = shown_units(scenario.urdf_xml())
     series = []
     for place, (name, low, high) in enumerate(zip(kinematics.joint_names, kinematics.lower, kinematics.upper)):
         limited = math.isfinite(low) and math.isfinite(high)

@@ -7,7 +7,7 @@ import json
 from typing import Any, Dict, List, Mapping, Optional, Tuple
 
 from aras_visual_servo import ArasError, palette
-from ..live.view.robot import robot_of
+from ..report.joint_units import shown_units
 from ..report.scales import read_off
 from .figure import LABELS, known_axes
 from .statistics import every_run_succeeds
@@ -35,10 +35,10 @@ VARIED = {"start_": "start, ", "offset_": "offset, ", "goal_": "goal, ", "p_": "
 def joint_units(setup: Dict[str, Any]) -> Dict[str, str]:
     """{joint: "m" or "rad"} of the robot of a sweep; {} where its files are not here any more."""
     try:
-        joints = robot_of(scenario_of(setup).urdf_xml())["joints"]
+        units = shown_units(scenario_of(setup).urdf_xml())
     except (ArasError, OSError, RuntimeError, KeyError):
         return {}
-    return {joint["name"]: "m" if joint["type"] == "prismatic" else "rad" for joint in joints}
+    return {name: "m" if unit == "mm" else "rad" for name, (_, unit) in units.items()}
 
 
 def sweep_maps(rows: List[Dict[str, Any]], axes: Tuple[str, ...], folder: Optional[str] = None,
