@@ -7,7 +7,7 @@ import numpy as np
 
 from aras_visual_servo import ParameterError
 from .any_bag import AnyBag, duration_s, stamp_s
-from .motions import spline
+from .motions import from_rest, spline
 
 JOINT_STATE = "sensor_msgs/JointState"
 ONE, MANY, TRAJECTORY = "std_msgs/Float64", "std_msgs/Float64MultiArray", "trajectory_msgs/JointTrajectory"
@@ -180,9 +180,7 @@ def _points(messages, states):
             near = all(abs(measured[name] - place) < NEAR for name, place in zip(message.joint_names, knots[0, 0]))
             before = events[-1][1] if events else dict(zip(message.joint_names, knots[0, 0])) if near else measured
             if events or near or len(times) == 1:
-                rest = np.zeros_like(knots[:1])
-                rest[0, 0] = [before[name] for name in message.joint_names]
-                times, knots = np.r_[0.0, times], np.vstack([rest, knots])
+                times, knots = from_rest([before[name] for name in message.joint_names], times, knots)
         grid = np.unique(np.r_[np.arange(times[0], times[-1], TRAJECTORY_STEP_S), times[-1]])
         # The driver's set point moves on; one that is held here is that of the middle.
         middle = np.minimum(grid + 0.5 * TRAJECTORY_STEP_S, times[-1])

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Dict, List, Tuple
+from typing import Any, Dict, List, Sequence, Tuple, Union
 
 import numpy as np
 import yaml
@@ -21,6 +21,14 @@ def spline(times_s: np.ndarray, knots: np.ndarray) -> BPoly:
     return BPoly.from_derivatives(times_s, knots)
 
 
+def from_rest(here: Union[Sequence[float], np.ndarray], times_s: np.ndarray, knots: np.ndarray
+              ) -> Tuple[np.ndarray, np.ndarray]:
+    """Returns the points (times_s, knots) of a trajectory after one at rest at `here`, (m,), at time 0."""
+    rest = np.zeros_like(knots[:1])
+    rest[0, 0] = here
+    return np.r_[0.0, times_s], np.vstack([rest, knots])
+
+
 @dataclass(frozen=True)
 class JointMotion:
     """Attributes:
@@ -34,9 +42,7 @@ class JointMotion:
 
     def way(self, here: np.ndarray) -> BPoly:
         """Returns the set points, time -> (m,), of a motion that begins at rest at `here` (m,)."""
-        rest = np.zeros_like(self.knots[:1])
-        rest[0, 0] = here
-        return spline(np.r_[0.0, self.times_s], np.vstack([rest, self.knots]))
+        return spline(*from_rest(here, self.times_s, self.knots))
 
 
 def read_motion(path: Path) -> JointMotion:

@@ -160,7 +160,7 @@ def _fitted(recording: Recording, scenario: Scenario, payload_link: Optional[str
             return fit, x, untold
         # The minima of both models are compared, not a minimum with the place at which a fit has stopped.
         x = min(x, fit.from_other(wider, lower), key=fit.cost)
-        if fit.cost(x) - wider.cost(lower) < KEPT * len(seen) * fit.inflation(x) * fit.cost(x) / fit.samples:
+        if wider.falls_by_chance(lower, fit, x, len(seen)):
             return fit, x, untold
         fit, x, speeds = wider, lower, {**speeds, **seen}
 
@@ -227,8 +227,8 @@ class _Fit:
         derivatives by static friction predict beside those by all other parameters.
         """
         robot, rows = self._robot, self._robot.fit
-        weights, now, _ = self._scaled(x)
-        inflation = self.inflation(x)
+        weights, now, scale = self._scaled(x)
+        inflation = self._inflation(now, scale)
         fitted = np.linalg.qr(self.jacobian(x, rows, weights, now).reshape(-1, len(x)))[0]
         position = self._recording.position[robot.used]
         top = np.max(np.abs(np.gradient(position, self._recording.period_s, axis=0)), axis=0)
@@ -261,16 +261,25 @@ class _Fit:
 
     def weak(self, x: np.ndarray, joints: Iterable[str]) -> Set[str]:
         """Those of the joints whose static friction is not told from none."""
-        weights, now, _ = self._scaled(x)
+        weights, now, scale = self._scaled(x)
         J = self.jacobian(x, self._robot.fit, weights, now).reshape(-1, len(x))
         stddev = np.sqrt(np.diag(np.linalg.inv(J.T @ J + np.eye(len(x)) / PRIOR_RANGES**2))) * self._ranges
         at = {name: self._names.index(name + STRIBECK) for name in joints}
-        most = SIGNIFICANT * np.sqrt(self.inflation(x))
+        most = SIGNIFICANT * np.sqrt(self._inflation(now, scale))
         return {name for name, i in at.items() if x[i] < most * stddev[i]}
 
-    def inflation(self, x: np.ndarray) -> float:
-        """Returns by how much the correlation of the residuals over time inflates the variance of their sums, >= 1."""
-        _, now, scale = self._scaled(x)
+    def falls_by_chance(self, x: np.ndarray, other: "_Fit", other_x: np.ndarray, joints: int) -> bool:
+        """Whether the cost is below that of a fit without the static friction of so many joints by no more than by
+        chance (KEPT)."""
+        _, now, scale = other._scaled(other_x)
+        cost = float(np.sum(now**2)) * scale**2
+        return cost - self.cost(x) < KEPT * joints * other._inflation(now, scale) * cost / other.samples
+
+    def _inflation(self, now, scale):
+        """By how much the correlation of the residuals over time inflates the variance of their sums, >= 1.
+
+        Args: now, scale: of `_scaled`.
+        """
         lags = self._lags(scale)
         both = [float(np.sum(now[:, lag:] * now[:, :-lag])) * (1.0 - lag / (lags + 1.0)) for lag in range(1, lags + 1)]
         return max(1.0, 1.0 + 2.0 * sum(both) / max(float(np.sum(now**2)), 1e-12))
