@@ -6,6 +6,7 @@ It is for a simulated arm: a driver of a real one takes the file itself.
 """
 
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -15,8 +16,10 @@ from sensor_msgs.msg import JointState
 from aras_visual_servo import ParameterError
 from ..bags.motions import read_motion
 
-#: Set points in a second of ROS time, and the time that the first joint state may take. [s]
+#: Set points in a second of ROS time, and the time that the first joint state and a listener may take. [s]
 RATE_HZ, WAIT_S = 100.0, 20.0
+#: The last set point is sent for so long: what is in rospy's queue when a process ends is lost. [s]
+HOLD_S = 0.2
 EXIT_DONE, EXIT_STOPPED, EXIT_PARAMETERS = 0, 1, 2
 USAGE = "usage: rosrun aras_visual_servo_controller play_motion MOTION.yaml __ns:=NAMESPACE"
 
@@ -50,6 +53,7 @@ def _play(motion, commands):
         raise ParameterError(f"joint_names: found {', '.join(motion.joint_names)}, allowed those of "
                              f"{rospy.resolve_name('joint_states')}: {', '.join(here)}")
     way, end_s = motion.way(np.array([here[name] for name in motion.joint_names])), float(motion.times_s[-1])
+    _wait_for_listener(commands)
     rate, begun = rospy.Rate(RATE_HZ), rospy.get_rostime()
     print(f"{len(motion.joint_names)} joints, {end_s:g} s", flush=True)
     while not rospy.is_shutdown():
@@ -58,7 +62,16 @@ def _play(motion, commands):
         command = JointState(name=list(motion.joint_names), position=way(min(t, end_s)).tolist())
         command.header.stamp = now
         commands.publish(command)
-        if t >= end_s:
+        if t >= end_s + HOLD_S:
             return EXIT_DONE
         rate.sleep()
     return EXIT_STOPPED
+
+
+def _wait_for_listener(commands):
+    end = time.monotonic() + WAIT_S
+    while commands.get_num_connections() == 0:
+        if time.monotonic() > end:
+            raise ParameterError(f"{commands.resolved_name}: found no listener in {WAIT_S:g} s, allowed a simulator "
+                                 "that takes joint commands")
+        rospy.rostime.wallsleep(0.02)
