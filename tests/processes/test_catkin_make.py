@@ -7,6 +7,7 @@ import sys
 import xml.etree.ElementTree
 
 import pytest
+from release import RELEASE
 
 SOURCES = pathlib.Path(__file__).resolve().parents[2] / "src"
 LIMIT_S = 900.0  # wall time for what takes ten seconds of a processor
@@ -92,6 +93,7 @@ def test_what_is_installed_is_compiled(module):
     assert f"import '{module}'" in done.stderr and not [path for path in compiled if path.startswith(ours)]
 
 
+@pytest.mark.skipif(RELEASE != "12", reason="the pybind11 of Debian 12 alone crashes with numpy 2")
 def test_a_numpy_that_would_crash_the_kinematics_is_refused_in_one_sentence(tmp_path):
     (tmp_path / "numpy").mkdir()
     (tmp_path / "numpy" / "__init__.py").write_text("__version__ = '2.4.6'\n")
