@@ -11,8 +11,6 @@ from .motions import from_rest, spline
 
 JOINT_STATE = "sensor_msgs/JointState"
 ONE, MANY, TRAJECTORY = "std_msgs/Float64", "std_msgs/Float64MultiArray", "trajectory_msgs/JointTrajectory"
-#: Set points between the points of a trajectory are taken at this distance. [s]
-TRAJECTORY_STEP_S = 0.002
 #: An arm that rests nearer than this to the first point of its first trajectory was told to be there. [m or rad]
 NEAR = 0.05
 #: The recorder's clock is that of the stamps if messages arrive within this time. [s]
@@ -42,7 +40,7 @@ class JointLog:
 
 
 def read_joint_log(bag: AnyBag, names: Sequence[str], controllers: Mapping[str, Any],
-                   joint_states: Optional[str] = None, kind: str = "position") -> JointLog:
+                   joint_states: Optional[str] = None, kind: str = "position", step_s: float = 1e-3) -> JointLog:
     """Returns the log of the joints `names`.
 
     Commands are JointState messages of a topic whose last word has `command`, or on CONTROLLER/command Float64 of each
@@ -51,24 +49,27 @@ def read_joint_log(bag: AnyBag, names: Sequence[str], controllers: Mapping[str, 
     Args:
         controllers: name -> section in ros_control's layout, for the joints of Float64 messages.
         joint_states: topic, where several have these joints.  kind: of commands in Float64MultiArray.
+        step_s: distance of the set points between the points of a trajectory. That of the simulator that replays them:
+        held for two of its periods, they would make velocities that ripple.
     Raises: ParameterError: with every fault found.  BagError.
     """
     types = bag.types
     states = {topic for topic, name in types.items() if name == JOINT_STATE and not _commands(topic)}
-    told = {topic: name for topic, name in types.items() if _commands(topic)
-            and name in (JOINT_STATE, ONE, MANY, TRAJECTORY)}
+    orders = {topic: name for topic, name in types.items() if _commands(topic)
+              and name in (JOINT_STATE, ONE, MANY, TRAJECTORY)}
     if joint_states is not None and joint_states not in states:
         raise ParameterError(f"--joint-states: found {joint_states}, allowed "
                              f"{', '.join(sorted(states)) or 'a bag with joint states'}")
     states = {joint_states} if joint_states is not None else states
-    found: Dict[str, List[Tuple[Any, float]]] = {topic: [] for topic in (*states, *told)}
+    found: Dict[str, List[Tuple[Any, float]]] = {topic: [] for topic in (*states, *orders)}
     for topic, message, at in bag.messages(found) if found else ():
         found[topic].append((message, at))
     topic = _states_topic(bag, {topic: found[topic] for topic in states}, names)
     prefix = topic.rpartition("/")[0] + "/"
-    near = {name: value for name, value in told.items() if name.startswith(prefix)} or told
+    near = {name: value for name, value in orders.items() if name.startswith(prefix)} or orders
     whole = [each for each in found[topic] if set(names) <= set(each[0].name)]
-    return _log(names, whole, *_told({name: found[name] for name in near}, near, names, controllers, kind, whole))
+    told = _told({name: found[name] for name in near}, near, names, controllers, kind, whole, step_s)
+    return _log(names, whole, *told)
 
 
 def _commands(topic):
@@ -112,7 +113,7 @@ def _log(names, states, kind, told_s, told):
                     late[first] if on_time else None, kind, told_s, told)
 
 
-def _told(found, types, names, controllers, kind, states):
+def _told(found, types, names, controllers, kind, states, step_s):
     """(kind, stamps, values): commands of all topics in order, NaN where a joint was not told anything yet."""
     events, kinds = [], set()
     for topic, messages in found.items():
@@ -132,7 +133,7 @@ def _told(found, types, names, controllers, kind, states):
                 events.append((at, dict(zip(sorted(names), message.data))))
         if types[topic] == TRAJECTORY and messages:
             kinds.add("position")
-            events += _points(messages, states)
+            events += _points(messages, states, step_s)
     events = [(at, {name: float(value) for name, value in these.items() if name in names}) for at, these in events]
     events = sorted((each for each in events if each[1]), key=lambda each: each[0])
     if not events:
@@ -157,7 +158,7 @@ def _joint_of(topic, controllers):
     return section.get("joint") if isinstance(section, Mapping) else None
 
 
-def _points(messages, states):
+def _points(messages, states, step_s):
     """(stamp, positions by joint) of the set points that a driver interpolates; a new trajectory replaces the old one.
 
     Between two points is the polynomial of ros_controllers: of order 1, 3 or 5, as the points have velocities and
@@ -181,9 +182,9 @@ def _points(messages, states):
             before = events[-1][1] if events else dict(zip(message.joint_names, knots[0, 0])) if near else measured
             if events or near or len(times) == 1:
                 times, knots = from_rest([before[name] for name in message.joint_names], times, knots)
-        grid = np.unique(np.r_[np.arange(times[0], times[-1], TRAJECTORY_STEP_S), times[-1]])
+        grid = np.unique(np.r_[np.arange(times[0], times[-1], step_s), times[-1]])
         # The driver's set point moves on; one that is held here is that of the middle.
-        middle = np.minimum(grid + 0.5 * TRAJECTORY_STEP_S, times[-1])
+        middle = np.minimum(grid + 0.5 * step_s, times[-1])
         path = spline(times, knots)(middle) if len(times) > 1 else knots[:, 0]
         events += [(start + t, dict(zip(message.joint_names, row))) for t, row in zip(grid.tolist(), path.tolist())
                    if start + t < until]

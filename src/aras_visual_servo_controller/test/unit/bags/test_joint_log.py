@@ -87,10 +87,21 @@ def test_a_trajectory_goes_through_its_velocities_and_waits_where_the_arm_was_to
     times, values = told(0.02)
     np.testing.assert_allclose(values[times < 101.5], np.tile((1.0, 2.0), (np.count_nonzero(times < 101.5), 1)),
                                atol=2e-5)
-    part = np.clip(times + 0.001 - 101.5, 0.0, 1.0)
+    part = np.clip(times + 0.0005 - 101.5, 0.0, 1.0)
     np.testing.assert_allclose(values[:, 1], 2.0 + 3.0 * part**2 * (3.0 - 2.0 * part), atol=1e-5)
     times, values = told(0.2)
     assert times[0] == pytest.approx(101.5) and values[-1].tolist() == [1.0, 5.0]
+
+
+@pytest.mark.parametrize("step_s", (0.001, 0.004))
+def test_a_simulator_gets_a_set_point_of_a_trajectory_in_each_of_its_periods(tmp_path, step_s):
+    message = JointTrajectory(joint_names=["J1", "J2"])
+    message.points = [JointTrajectoryPoint(positions=[0.0, 0.0], time_from_start=rospy.Duration(0.0)),
+                      JointTrajectoryPoint(positions=[1.0, 2.0], time_from_start=rospy.Duration(1.0))]
+    found = log(write(tmp_path / "t.bag", states() + [("/arm/arm_controller/command", message, 101.0)]), step_s=step_s)
+    np.testing.assert_allclose(np.diff(found.told_s), step_s, rtol=1e-3)
+    ways = np.diff(found.told[:-1], axis=0)
+    np.testing.assert_allclose(ways, np.tile((step_s, 2.0 * step_s), (len(ways), 1)), rtol=1e-6)
 
 
 def test_two_arms_and_other_joints_are_named(tmp_path):
