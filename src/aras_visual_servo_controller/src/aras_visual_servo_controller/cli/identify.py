@@ -83,7 +83,8 @@ def _identify(arguments: Namespace) -> int:
 
 def _identified(arguments: Namespace, scenario: Scenario) -> Dict[str, str]:
     """The files of the result, name -> text."""
-    from ..identification.twin import EXPLAINED, identify_twin
+    from ..identification.fit import EXPLAINED
+    from ..identification.twin import identify_twin
     recording, notes = _recording(arguments, scenario)
     seen = _seen(arguments, scenario, recording)
     twin = identify_twin(recording, scenario, arguments.payload, progress=_progress())

@@ -3,6 +3,7 @@ import dataclasses
 import pathlib
 import sys
 from concurrent.futures import ThreadPoolExecutor
+from unittest import mock
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ import yaml
 from aras_visual_servo import ParameterError, Scenario, load_scenario, simulation_of
 from aras_visual_servo_controller import Commands, Recording, identify_twin
 from aras_visual_servo_controller.cli.identify import _rows
+from aras_visual_servo_controller.identification import fit as fit_module
 from aras_visual_servo_controller.identification import twin as twin_module
 from aras_visual_servo_controller.identification.bandwidth import bandwidth
 from aras_visual_servo_controller.identification.dynamics import TreeDynamics
@@ -108,7 +110,7 @@ def test_static_friction_is_found_where_it_shows(tmp_path):
 
 def test_a_motion_back_that_the_fitted_part_does_not_tell_is_no_reason_to_distrust_the_fit(tmp_path):
     twin = identify_twin(recording(tmp_path, np.random.default_rng(5), "velocity", back=0.8), scenario(tmp_path))
-    assert twin.held_out["J2"] > twin_module.EXPLAINED * twin.identified.residual["J2"]
+    assert twin.held_out["J2"] > fit_module.EXPLAINED * twin.identified.residual["J2"]
     found = twin.identified.estimates
     assert twin.converged and "J2.friction" not in found
     assert found["J1.friction"].stddev < 0.1 * TRUTH["J1.friction"]
@@ -148,8 +150,9 @@ def test_an_estimate_without_an_interval_is_shown_without_one_and_others_with_th
 
 
 def test_a_fit_that_did_not_converge_has_no_intervals(tmp_path, monkeypatch):
-    monkeypatch.setattr(twin_module, "ROUNDS", 0)
-    monkeypatch.setattr(twin_module, "FIRST_ROUNDS", 1)
+    for module in (fit_module, twin_module):
+        monkeypatch.setattr(module, "ROUNDS", 0)
+    monkeypatch.setattr(fit_module, "FIRST_ROUNDS", 1)
     twin = identify_twin(recording(tmp_path, np.random.default_rng(4), "position", seconds=2.5), scenario(tmp_path))
     assert not twin.converged and np.isinf(twin.covariance).all()
     assert all(estimate.interval == (-np.inf, np.inf) for name, estimate in twin.identified.estimates.items())
@@ -178,8 +181,16 @@ def test_what_the_model_lacks_widens_the_intervals_and_is_told(tmp_path):
     jitter_s = rng.uniform(-0.0015, 0.0015, len(exact.commands.times_s))
     commands = dataclasses.replace(exact.commands, times_s=exact.commands.times_s + jitter_s)
     late = dataclasses.replace(exact, commands=commands)
-    twin, plain = (identify_twin(each, scenario(tmp_path)) for each in (late, exact))
+    finished = []
+
+    def identified(each):
+        with mock.patch.object(fit_module.Fit, "finish", autospec=True, side_effect=fit_module.Fit.finish) as finish:
+            twin = identify_twin(each, scenario(tmp_path))
+        finished.append(finish.call_count)
+        return twin
+    twin, plain = identified(late), identified(exact)
     assert twin.converged and twin.by_noise > 3.0 and plain.converged and plain.by_noise < 3.0
+    assert finished == [1, 1]  # the other starts of `late` end no lower in its first part, and go no further
     found, narrow = (each.identified.estimates for each in (twin, plain))
     for name in ("J1.p", "J1.d", "J2.p", "J2.d", "gravity_scale"):
         assert found[name].value == pytest.approx(TRUTH[name], rel=0.05)
