@@ -117,11 +117,17 @@ class Fit:
         return self.descend(begin, self.robot.fit, self.weights, ROUNDS, 1e-4)
 
     def jacobian(self, x, rows, weights, now):
-        """(channels, n, parameters) of derivatives of the residual by parameters in units of their ranges."""
+        """(channels, n, parameters) of derivatives of the residual by parameters in units of their ranges.
+
+        The residual has a kink where the delay is a whole number of periods: the difference stays on one side of it.
+        """
         def column(i):
-            moved = x.copy()
-            moved[i] += STEP * self.ranges[i]
-            return (self.robot.residual(moved, rows, weights) - now) / STEP
+            moved, step = x.copy(), STEP
+            moved[i] += step * self.ranges[i]
+            if i == self.delay and np.floor(moved[i] / self.robot.period_s) > np.floor(x[i] / self.robot.period_s):
+                step = -STEP
+                moved[i] = x[i] + step * self.ranges[i]
+            return (self.robot.residual(moved, rows, weights) - now) / step
         return np.stack(list(self.pool.map(column, range(len(x)))), axis=-1)
 
     def inflation(self, now, scale):

@@ -114,9 +114,7 @@ def _twin(fit, x, payload_link, untold=()):
         weights, now, scale = fit.scaled(x)
         flat = fit.jacobian(x, rows, weights, now).reshape(-1, len(x))
         inverse, null = separable(flat)
-        # The predicted step, in standard deviations; a parameter at its bound cannot follow.
-        free = x > fit.least
-        near = np.linalg.norm(flat[:, free] @ (separable(flat[:, free])[0] @ now.ravel())) < CONVERGED
+        near = _predicted_step(fit, x, flat, now) < CONVERGED
         found = _profile(fit, x, weights, flat) if near else None
         if near and found.lower is None or attempt == ATTEMPTS - 1:
             break
@@ -164,6 +162,14 @@ def _twin(fit, x, payload_link, untold=()):
     return Twin(Identified(estimates, rest, dict(zip(robot.names, residual.tolist()))), tuple(names), cov,
                 converged, float(scale), bandwidths(robot, x, cov, measured.mean(axis=0)), section, robot.names,
                 fit.recording.times_s[robot.used] - robot.start_s, measured, q, len(rows))
+
+
+def _predicted_step(fit, x, flat, now):
+    """The step that the derivatives predict, in standard deviations. A parameter at its bound cannot follow, and a
+    delay at its kink, a whole number of periods, does not."""
+    free = x > fit.least
+    return min(float(np.linalg.norm(flat[:, moving] @ (separable(flat[:, moving])[0] @ now.ravel())))
+               for moving in (free, free & (np.arange(len(x)) != fit.delay)))
 
 
 def _one_way(fit):

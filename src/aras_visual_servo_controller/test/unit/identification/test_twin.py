@@ -197,6 +197,19 @@ def test_what_the_model_lacks_widens_the_intervals_and_is_told(tmp_path):
         assert found[name].stddev > 3.0 * narrow[name].stddev
 
 
+@pytest.mark.parametrize("beside_s", (-1e-5, 1e-5))
+def test_a_delay_beside_a_whole_number_of_periods_stops_no_other_parameter(tmp_path, monkeypatch, beside_s):
+    monkeypatch.setitem(TRUTH, "command_delay_s", 0.029)  # joint states just before the next set point
+    given = recording(tmp_path, np.random.default_rng(4), "position")
+    with ThreadPoolExecutor(2) as pool:
+        fit = fit_module.Fit(given, ReplayedRobot(given, scenario(tmp_path)), pool, None)
+        truth = np.array([TRUTH[name] for name in fit.names])
+        begin = truth * np.where(np.array(fit.names) == "J1.damping", 0.9, 1.0)
+        begin[fit.delay] += beside_s
+        found = fit.descend(begin, fit.robot.fit, fit.weights, 20, 1e-4)
+        assert fit.cost(found) < fit.cost(truth) < fit.cost(begin)
+
+
 def test_a_joint_that_rests_is_named_with_the_motion_that_would_tell_it(tmp_path):
     still = recording(tmp_path, np.random.default_rng(5), "velocity", still=("J2",), seconds=2.5)
     late = dataclasses.replace(still, received_s=still.times_s + 0.004)
