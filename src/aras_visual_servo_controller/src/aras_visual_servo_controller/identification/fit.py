@@ -31,6 +31,8 @@ SETTLED, ENOUGH = 0.1, 0.01
 #: The noise of a joint is at least this part of that of the median one, and this: no encoder is finer, and recordings
 #: of a simulator have none. [m, rad or per s]
 LEAST_NOISE, FINEST = 0.2, 1e-5
+#: Joint states that are farther apart than this many times their median distance have lost one between them.
+MOST_STEP_PART = 1.5
 #: Residuals are taken to be at least this part of the noise.
 LEAST_SCALE = 0.1
 #: A model that leaves more than this many times the noise does not explain the recording.
@@ -66,7 +68,8 @@ class Fit:
             for joint in robot.names if f"{joint}.p" in self.names]
         # Of the noise, not of the residual: a joint that fits badly would lose its weight, and stay so.
         measured = (recording.position,) if recording.velocity is None else (recording.position, recording.velocity)
-        self.weights = 1.0 / np.concatenate([_noise(each[robot.used]) for each in measured])
+        times_s = recording.times_s[robot.used]
+        self.weights = 1.0 / np.concatenate([_noise(times_s, each[robot.used]) for each in measured])
 
     def begin(self, gains: float, mass: float) -> np.ndarray:
         """Values that fit the positions of the first part best. Args: gains, mass: factors on the model's gains and on
@@ -214,8 +217,12 @@ class Fit:
         return (x - self.start) / self.ranges / PRIOR_RANGES
 
 
-def _noise(values: np.ndarray) -> np.ndarray:
+def _noise(times_s: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Standard deviation of white noise on columns that are smooth otherwise, (m,), by their third differences."""
-    noise = np.sqrt(np.mean(np.diff(values, 3, axis=0)**2, axis=0) / 20.0)
+    steps = np.diff(times_s)
+    whole = steps < MOST_STEP_PART * np.median(steps)  # a gap looks like noise
+    whole = whole[2:] & whole[1:-1] & whole[:-2]
+    thirds = np.diff(values, 3, axis=0)
+    noise = np.sqrt(np.mean(thirds[whole if np.any(whole) else slice(None)]**2, axis=0) / 20.0)
     # A joint that rests between two steps of its encoder shows none.
     return np.maximum(noise, max(LEAST_NOISE * float(np.median(noise)), FINEST))

@@ -10,7 +10,7 @@ import pytest
 import yaml
 
 from aras_visual_servo import ParameterError, Scenario, load_scenario, simulation_of
-from aras_visual_servo_controller import Commands, Recording, identify_twin
+from aras_visual_servo_controller import Commands, Recording, identify_loops, identify_twin
 from aras_visual_servo_controller.cli.identify import _rows
 from aras_visual_servo_controller.identification import fit as fit_module
 from aras_visual_servo_controller.identification import twin as twin_module
@@ -208,6 +208,21 @@ def test_a_delay_beside_a_whole_number_of_periods_stops_no_other_parameter(tmp_p
         begin[fit.delay] += beside_s
         found = fit.descend(begin, fit.robot.fit, fit.weights, 20, 1e-4)
         assert fit.cost(found) < fit.cost(truth) < fit.cost(begin)
+
+
+def test_a_lost_joint_state_is_no_noise():
+    times = np.arange(400) * 0.01
+    values = np.column_stack([np.sin(3.0 * times), np.cos(2.0 * times)]) + np.random.default_rng(1).normal(
+        0.0, NOISE, (400, 2))
+    kept = np.r_[:200, 206:400]
+    np.testing.assert_allclose(fit_module._noise(times[kept], values[kept]), NOISE, rtol=0.15)
+
+
+def test_a_joint_state_that_arrives_before_its_stamp_tells_no_delay(tmp_path):
+    exact = recording(tmp_path, np.random.default_rng(5), "velocity", seconds=2.5)
+    found = identify_loops(dataclasses.replace(exact, received_s=exact.times_s - 0.002))
+    assert "joint_state_delay_s" not in found.estimates
+    assert "joint_state_delay_s" in [each.name for each in found.unknown]
 
 
 def test_a_joint_that_rests_is_named_with_the_motion_that_would_tell_it(tmp_path):
