@@ -43,6 +43,8 @@ STRIBECK, FADES = ".stribeck", ".stribeck_velocity"
 LEAST_FADES = 0.05
 EARTH = (0.0, 0.0, -9.81)
 PID = ("p", "i", "d")
+#: Units of p, i and d after that of the effort, by what the loop controls; {0} is that of the joint's position.
+PID_UNITS = {"position": ("/{0}", "/({0} s)", " s/{0}"), "velocity": (" s/{0}", "/{0}", " s²/{0}")}
 
 
 @dataclass(frozen=True)
@@ -177,7 +179,10 @@ class ReplayedRobot:
                 found += [Parameter(name + STRIBECK, found[-1].unit, max(static - friction, 0.0), found[-1].range),
                           Parameter(name + FADES, "m/s" if prismatic else "rad/s", fades, fades, LEAST_FADES * fades)]
             gains = {key: float(self._loops[name][key]) for key in PID if self._loops[name].get(key)}
-            found += [Parameter(f"{name}.{key}", "1", gain, gain, LEAST_GAIN * gain) for key, gain in gains.items()]
+            force, place = ("N", "m") if prismatic else ("N m", "rad")
+            units = dict(zip(PID, PID_UNITS["velocity" if name in self.velocity_loops else "position"]))
+            found += [Parameter(f"{name}.{key}", force + units[key].format(place), gain, gain, LEAST_GAIN * gain)
+                      for key, gain in gains.items()]
         found += [Parameter(GRAVITY, "1", 1.0, 0.3), Parameter(DELAY, "s", 0.0, 0.05, -0.05)]
         if self._recording.commands.kind == "velocity":
             found += [Parameter(name + START, "m or rad", rest, 0.02, -np.inf)
@@ -244,7 +249,7 @@ class ReplayedRobot:
             sim.set_command(position={name: values.get(name + START, told_before[name]) for name in self._placed})
         sim.step(int(round(SETTLE_S / period)))
         commands = self._recording.commands
-        told = np.round((commands.times_s - self.start_s) / period).astype(int)
+        told = np.floor((commands.times_s - self.start_s) / period + 0.5).astype(int)  # .5 always up: one a tick
         wanted = (self._recording.times_s[rows] - self.start_s - values[DELAY]) / period
         asked = np.maximum(np.floor(wanted).astype(int), 0)
         ticks = np.union1d(asked, asked + 1)
