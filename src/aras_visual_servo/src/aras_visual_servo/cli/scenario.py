@@ -62,11 +62,13 @@ def _check_options(parser: ArgumentParser) -> None:
 
 
 def _check(arguments: Namespace) -> int:
-    from ..scenario.feasibility import check_feasible
+    from ..scenario.feasibility import check_feasible, check_workspace
     code = EXIT_PASSED
     for name in arguments.files:
         try:
-            check_feasible(scenario_of(Namespace(**{**vars(arguments), "scenario": name})))
+            scenario = scenario_of(Namespace(**{**vars(arguments), "scenario": name}))
+            check_feasible(scenario)
+            check_workspace(scenario)
             print(f"{name}: ok")
         except ParameterError as error:
             print(f"{name}:\n{error}")

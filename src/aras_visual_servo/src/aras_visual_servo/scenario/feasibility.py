@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..arm.kinematics import RobotKinematics
+from ..arm.real import RealSettings
 from ..ground.errors import ParameterError
 from ..features.sources.base import source_named
 from ..features.target.outline import Outline
@@ -36,6 +37,24 @@ def check_feasible(scenario: "Scenario") -> None:
     refusal = feasibility.refusal(scenario.goal_posture(kinematics), scenario.start_posture(kinematics))
     if refusal:
         raise ParameterError(f"scenario '{scenario.name}' refused, nothing has moved: {refusal}")
+
+
+def check_workspace(scenario: "Scenario") -> None:
+    """Raises ParameterError, naming each, if the camera is outside `real.workspace` at goal or start: the arm would
+    brake before it gets there."""
+    kinematics = scenario.kinematics()
+    box = RealSettings.from_dict(scenario.real, kinematics.joint_names).workspace
+    if box is None:
+        return
+    faults = []
+    for place, joints in (("goal", scenario.goal_posture(kinematics)), ("start", scenario.start_posture(kinematics))):
+        position = kinematics.pose(joints)[:3, 3]
+        if np.any(position < box.lower_m) or np.any(position > box.upper_m):
+            x, y, z = position
+            faults.append(f"real.workspace: found the camera at the {place} at {x:.3f} {y:.3f} {z:.3f} m, allowed "
+                          f"between lower_m {list(box.lower_m)} and upper_m {list(box.upper_m)}")
+    if faults:
+        raise ParameterError(faults)
 
 
 class Feasibility:

@@ -9,7 +9,7 @@ from aras_visual_servo import (
     Feasibility, Kinematics, load_scenario, Outline, ParameterError, reach, scenario_names, ServoLoop)
 from aras_visual_servo.cli import EXIT_PARAMETERS
 from aras_visual_servo.cli.main import main
-from aras_visual_servo.scenario.feasibility import check_feasible
+from aras_visual_servo.scenario.feasibility import check_feasible, check_workspace
 
 GOAL = {"gantry": 0.0, "J1": 0.0, "J2": -0.5836, "J3": 1.6208, "J5": -1.0372, "J6": 0.0}
 #: The image's own outline is found on whole pixels: half a pixel each side, and what settling moves the camera by.
@@ -138,3 +138,25 @@ def test_keypoints_need_no_more_than_a_part_of_the_target_in_view():
     whole = load_scenario("cns_render", {"servo.source": "tag", "vision.tag": {"family": "36h11", "id": 0}})
     with pytest.raises(ParameterError, match="target not in view at the goal"):
         check_feasible(whole)
+
+
+def test_a_workspace_without_the_camera_at_goal_or_start_is_named(scenario, kinematics, capsys):
+    ends = {"goal": scenario.goal_posture(kinematics), "start": scenario.start_posture(kinematics)}
+    places = np.array([kinematics.pose(joints)[:3, 3] for joints in ends.values()])
+
+    def checked(lower, upper):
+        check_workspace(scenario.with_overrides({
+            "real.workspace": {"lower_m": lower.tolist(), "upper_m": upper.tolist()}}))
+    check_workspace(scenario)
+    checked(places.min(axis=0) - 0.01, places.max(axis=0) + 0.01)
+    axis = int(np.argmax(np.abs(places[0] - places[1])))
+    for i, name in enumerate(ends):
+        room = np.full(3, 1.0)
+        room[axis] = 0.5 * abs(places[0] - places[1])[axis]
+        with pytest.raises(ParameterError) as error:
+            checked(places[1 - i] - room, places[1 - i] + room)
+        (fault,) = error.value.faults
+        assert fault.startswith("real.workspace: ") and f"at the {name} " in fault
+    change = "real.workspace={lower_m: [5, 5, 5], upper_m: [6, 6, 6]}"
+    assert main(["scenario", "check", "field_of_view", "--set", change]) == EXIT_PARAMETERS
+    assert capsys.readouterr().out.count("real.workspace: ") == 2
