@@ -167,23 +167,36 @@ class Fit:
             H = J.T @ J + along.T @ along / PRIOR_RANGES**2
             g = J.T @ now.ravel() + along.T @ prior / PRIOR_RANGES
             cost = float(np.sum(now**2) + prior @ prior)
-            held = (x <= self.least) & (g > 0.0)  # at a bound, and the cost falls beyond it
-            for _ in range(TRIALS):
-                part = H + damping * np.diag(np.diag(H))
-                step = np.zeros(len(x))
-                step[~held] = -np.linalg.solve(part[~held][:, ~held], g[~held])
-                step = np.clip(step, -MOST_STEP, MOST_STEP)
-                trial = self._moved(x, step)
-                new, prior = self.robot.residual(trial, rows, weights), self._prior(trial)
-                if float(np.sum(new**2) + prior @ prior) < cost:
+            free = (x > self.least) | (g < 0.0)  # or at a bound, and the cost falls beyond it
+            found = self._lower(x, H, g, free, damping, cost, rows, weights)
+            if found is None or found[-1] < enough:
+                # The delay may be at its kink, where it stops the others.
+                held = self._lower(x, H, g, free & (np.arange(len(x)) != self.delay), damping, cost, rows, weights)
+                both = [each for each in (found, held) if each is not None]
+                if not both:
                     break
-                damping *= 5.0
-            else:
-                return x
-            x, now, damping = trial, new, max(damping / 10.0, 1e-9)
-            if min(-g @ step, cost - float(np.sum(now**2) + prior @ prior)) < enough:
+                found = max(both, key=lambda each: each[-1])
+            x, now, damping, fall = found
+            if fall < enough:
                 break
         return x
+
+    def _lower(self, x, H, g, moving, damping, cost, rows, weights):
+        """(values of a lower cost, their residual, damping of the next step, by how much the cost falls), or None.
+
+        Args: H, g: second and first derivatives of the cost.  moving: (k,) whether a parameter moves.
+        """
+        for _ in range(TRIALS):
+            part, step = H + damping * np.diag(np.diag(H)), np.zeros(len(x))
+            step[moving] = -np.linalg.solve(part[moving][:, moving], g[moving])
+            step = np.clip(step, -MOST_STEP, MOST_STEP)
+            trial = self._moved(x, step)
+            new, prior = self.robot.residual(trial, rows, weights), self._prior(trial)
+            lower = float(np.sum(new**2) + prior @ prior)
+            if lower < cost:
+                return trial, new, max(damping / 10.0, 1e-9), min(float(-g @ step), cost - lower)
+            damping *= 5.0
+        return None
 
     def _first_delay(self, x):
         """Delay with which the model's positions fit best."""
