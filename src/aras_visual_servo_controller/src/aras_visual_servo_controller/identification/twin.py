@@ -26,9 +26,9 @@ CONVERGED = 1.0
 MODEL_ERROR = 0.005
 #: Fits are tried so often; the next one begins where the profile of the cost found a lower one.
 ATTEMPTS = 3
-#: A fit that leaves more than EXPLAINED times the noise begins anew, with the model's gains and the payload's mass
+#: A fit that leaves more than this many times the noise begins anew, with the model's gains and the payload's mass
 #: multiplied by these; the lowest cost counts. One whose first part ends no lower, by this part, goes no further.
-STARTS, SAME = ((1.0, 1.0), (3.0, 0.2), (0.3, 1.0)), 0.01
+WELL, STARTS, SAME = 1.2, ((1.0, 1.0), (3.0, 0.2), (0.3, 1.0)), 0.01
 #: A joint moved both ways if the shorter way is more than this many times the noise of its positions.
 BOTH_WAYS = 20.0
 #: Parameters that correlate more than this cannot be told apart.
@@ -101,7 +101,7 @@ def identify_twin(recording: Recording, scenario: Scenario, payload_link: Option
             lowest = first
             fit, x, untold = with_static_friction(fit, fit.finish(x), fit_of)
             found.append((fit.cost(x), fit, x, untold))
-            if found[-1][0] < EXPLAINED**2 * fit.samples:
+            if found[-1][0] < WELL**2 * fit.samples:
                 break
         _, fit, x, untold = min(found, key=lambda each: each[0])
         return _twin(fit, x, payload_link, untold)

@@ -210,6 +210,26 @@ def test_a_delay_beside_a_whole_number_of_periods_stops_no_other_parameter(tmp_p
         assert fit.cost(found) < fit.cost(truth) < fit.cost(begin)
 
 
+def test_a_fit_that_leaves_little_more_than_the_noise_begins_anew(tmp_path, monkeypatch):
+    """A payload of the wrong mass has left 2.9 times the noise."""
+    given, begin, finish, scales = recording(tmp_path, np.random.default_rng(4), "position"), \
+        fit_module.Fit.begin, fit_module.Fit.finish, []
+
+    def poor(fit, gains, mass):
+        x = begin(fit, gains, mass)
+        x[fit.names.index("J1.damping")] *= 1.0 if scales else 0.97
+        return x
+
+    def finished(fit, x):
+        x = finish(fit, x) if scales else x
+        scales.append(fit.scaled(x)[2])
+        return x
+    monkeypatch.setattr(fit_module.Fit, "begin", poor)
+    monkeypatch.setattr(fit_module.Fit, "finish", finished)
+    twin = identify_twin(given, scenario(tmp_path))
+    assert len(scales) == 2 and 1.2 < scales[0] < 3.0 and twin.converged and twin.by_noise < 1.0
+
+
 def test_a_lost_joint_state_is_no_noise():
     times = np.arange(400) * 0.01
     values = np.column_stack([np.sin(3.0 * times), np.cos(2.0 * times)]) + np.random.default_rng(1).normal(
