@@ -6,7 +6,7 @@ loops keep the errors bounded, so that one simulation goes from the first comman
 """
 
 from concurrent.futures import ThreadPoolExecutor
-from typing import Callable, Optional
+from typing import Callable, Optional, Tuple
 
 import numpy as np
 
@@ -104,7 +104,7 @@ class Fit:
         """Sum of the squares of the residuals, by the noise."""
         return float(np.sum(self.robot.residual(x, self.robot.fit, self.weights)**2))
 
-    def scaled(self, x):
+    def scaled(self, x: np.ndarray) -> Tuple[np.ndarray, np.ndarray, float]:
         """(weights, residual by them, scale): the residual has the variance 1, or less where it is far below the noise;
         the scale is that of the residual by the noise, and 1 if the model explains all but the noise."""
         now = self.robot.residual(x, self.robot.fit, self.weights)
@@ -119,7 +119,7 @@ class Fit:
         begin[new] = STRIBECK_STEP * self.ranges[new]
         return self.descend(begin, self.robot.fit, self.weights, ROUNDS, 1e-4)
 
-    def jacobian(self, x, rows, weights, now):
+    def jacobian(self, x: np.ndarray, rows: np.ndarray, weights: np.ndarray, now: np.ndarray) -> np.ndarray:
         """(channels, n, parameters) of derivatives of the residual by parameters in units of their ranges.
 
         The residual has a kink where the delay is a whole number of periods: the difference stays on one side of it.
@@ -133,7 +133,7 @@ class Fit:
             return (self.robot.residual(moved, rows, weights) - now) / step
         return np.stack(list(self.pool.map(column, range(len(x)))), axis=-1)
 
-    def inflation(self, now, scale):
+    def inflation(self, now: np.ndarray, scale: float) -> float:
         """By how much the correlation of the residuals over time inflates the variance of their sums, >= 1.
 
         Args: now, scale: of `scaled`.
@@ -142,16 +142,19 @@ class Fit:
         both = [float(np.sum(now[:, lag:] * now[:, :-lag])) * (1.0 - lag / (lags + 1.0)) for lag in range(1, lags + 1)]
         return max(1.0, 1.0 + 2.0 * sum(both) / max(float(np.sum(now**2)), 1e-12))
 
-    def lags(self, scale):
+    def lags(self, scale: float) -> int:
         """Samples over which residuals may be correlated. Args: scale: of the residuals by the noise."""
         return LAGS if scale < EXPLAINED else round(MODEL_LAG_S / self.recording.period_s)
 
-    def descend(self, x, rows, weights, rounds, damping):
-        """Levenberg and Marquardt's method. The number of weights chooses positions alone or velocities too; None: of
-        positions alone, by their residuals."""
-        follow = weights is None
-        if follow:
-            weights = np.ones(len(self.robot.names))
+    def descend(self, x: np.ndarray, rows: np.ndarray, given: Optional[np.ndarray], rounds: int, damping: float
+                ) -> np.ndarray:
+        """Values of a minimum near x by Levenberg and Marquardt's method.
+
+        Args: rows: of the recording.  given: weights of each joint's positions, or of velocities too; None: of
+        positions alone, by their residuals.  rounds: most iterations.  damping: of the first one.
+        """
+        follow = given is None
+        weights = np.ones(len(self.robot.names)) if given is None else given
         now = self.robot.residual(x, rows, weights)
         enough = ENOUGH * now.size if follow or len(weights) < len(self.weights) else SETTLED
         for _ in range(rounds):
