@@ -144,6 +144,11 @@ class WorkspaceSettings:
         if not all(low < high for low, high in zip(self.lower_m, self.upper_m)):
             yield f"upper_m: found {list(self.upper_m)}, allowed above lower_m along each axis"
 
+    def outside_m(self, position: np.ndarray) -> float:
+        """Returns how far a position (3,) [m] in the robot's base is outside the box along one axis, 0 inside [m]."""
+        beyond = np.maximum(np.subtract(self.lower_m, position), np.subtract(position, self.upper_m))
+        return float(np.maximum(beyond, 0.0).max())
+
 
 @dataclass(frozen=True)
 class RealSettings:

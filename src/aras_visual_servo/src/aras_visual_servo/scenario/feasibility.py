@@ -49,7 +49,7 @@ def check_workspace(scenario: "Scenario") -> None:
     faults = []
     for place, joints in (("goal", scenario.goal_posture(kinematics)), ("start", scenario.start_posture(kinematics))):
         position = kinematics.pose(joints)[:3, 3]
-        if np.any(position < box.lower_m) or np.any(position > box.upper_m):
+        if box.outside_m(position) > 0.0:
             x, y, z = position
             faults.append(f"real.workspace: found the camera at the {place} at {x:.3f} {y:.3f} {z:.3f} m, allowed "
                           f"between lower_m {list(box.lower_m)} and upper_m {list(box.upper_m)}")

@@ -19,8 +19,7 @@ class MotionGuard:
         self._speed = settings.largest_speed(kinematics)
         self._most = settings.joint_acceleration
         self._acceleration = np.full(len(kinematics.joint_names), self._most)
-        box = settings.workspace
-        self._box = None if box is None else (np.array(box.lower_m), np.array(box.upper_m))
+        self._box = settings.workspace
 
     def velocity(self, q: np.ndarray, before: np.ndarray, wanted: np.ndarray, dt_s: float
                  ) -> Tuple[np.ndarray, str, bool]:
@@ -56,13 +55,9 @@ class MotionGuard:
         if there <= 0.0 or there < here:
             return ""
         x, y, z = self._kinematics.pose(q)[:3, 3]
-        return (f"workspace: the camera at {x:.3f} {y:.3f} {z:.3f} m would leave the box from {self._text(0)} to "
-                f"{self._text(1)} m")
+        lower, upper = (" ".join(f"{value:g}" for value in corner) for corner in (self._box.lower_m, self._box.upper_m))
+        return f"workspace: the camera at {x:.3f} {y:.3f} {z:.3f} m would leave the box from {lower} to {upper} m"
 
     def _outside(self, q):
         """How far the camera is outside its box, 0 inside [m]."""
-        p, (lower, upper) = self._kinematics.pose(q)[:3, 3], self._box
-        return float(np.maximum(np.maximum(lower - p, p - upper), 0.0).max())
-
-    def _text(self, corner):
-        return " ".join(f"{value:g}" for value in self._box[corner])
+        return self._box.outside_m(self._kinematics.pose(q)[:3, 3])
