@@ -70,7 +70,7 @@ def _play(motion, commands):
 
 def _wait_for_listener(commands):
     end = time.monotonic() + WAIT_S
-    while commands.get_num_connections() == 0:
+    while commands.get_num_connections() == 0 and not rospy.is_shutdown():
         if time.monotonic() > end:
             raise ParameterError(f"{commands.resolved_name}: found no listener in {WAIT_S:g} s, allowed a simulator "
                                  "that takes joint commands")
