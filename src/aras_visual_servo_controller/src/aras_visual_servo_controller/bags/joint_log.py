@@ -40,7 +40,7 @@ class JointLog:
 
 
 def read_joint_log(bag: AnyBag, names: Sequence[str], controllers: Mapping[str, Any],
-                   joint_states: Optional[str] = None, kind: str = "position", step_s: float = 1e-3) -> JointLog:
+                   joint_states: Optional[str] = None, kind: str = "position", *, step_s: float) -> JointLog:
     """Returns the log of the joints `names`.
 
     Commands are JointState messages of a topic whose last word has `command`, or on CONTROLLER/command Float64 of each

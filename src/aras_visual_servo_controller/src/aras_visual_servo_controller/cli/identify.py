@@ -208,11 +208,12 @@ def _overlay(arguments: Namespace, scenario: Scenario, section: Dict[str, Any], 
 def _recording(arguments: Namespace, scenario: Scenario) -> Tuple[Any, Tuple[str, ...]]:
     """(`Recording`, notes) of the bag."""
     from ..identification.recording import Commands, Recording
+    from ..identification.replayed import period_of
     kinematics = scenario.kinematics(calibrated=False)
     with AnyBag(arguments.bag) as bag:
         log = read_joint_log(bag, kinematics.joint_names, scenario.controllers(), arguments.joint_states,
                              "velocity" if scenario.real.get("command") == "velocity" else "position",
-                             float(scenario.sim.get("period_s", 1e-3)))
+                             step_s=period_of(scenario))
         notes = bag.notes
     faults = [] if log.kind is not None else [
         f"bag '{arguments.bag}': commands: found none, allowed JointState on joint_command, or Float64, "

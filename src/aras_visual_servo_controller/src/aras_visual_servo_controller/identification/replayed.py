@@ -63,6 +63,11 @@ class Parameter:
     least: float = 0.0
 
 
+def period_of(scenario: Scenario) -> float:
+    """Returns the period of the scenario's simulation [s]."""
+    return float(scenario.sim.get("period_s", 1e-3))
+
+
 def with_default_loops(scenario: Scenario) -> Scenario:
     """Returns the scenario with a PID, from which a fit can start, at each joint whose controller has none.
 
@@ -106,7 +111,7 @@ class ReplayedRobot:
         # Cameras and the scene take time and move no joint.
         self._scenario = replace(scenario, sim={**{key: value for key, value in scenario.sim.items()
                                                    if key not in ("scene", "contacts", DELAY)}, "cameras": []})
-        self.period_s = float(scenario.sim.get("period_s", 1e-3))
+        self.period_s = period_of(scenario)
         self._gravity = np.array(scenario.sim.get("gravity_m_s2", EARTH), dtype=float)
         self._loops = {section["joint"]: section["pid"] for section in scenario.controllers().values()
                        if isinstance(section, dict) and "pid" in section and "joint" in section}
@@ -164,22 +169,21 @@ class ReplayedRobot:
     def _parameters(self, urdf):
         found, joints = [], {joint.get("name"): joint for joint in urdf.findall("joint")}
         for name in (name for name in self.names if name in self._loops):
-            prismatic = joints[name].get("type") == "prismatic"
+            force, place = ("N", "m") if joints[name].get("type") == "prismatic" else ("N m", "rad")
             dynamics, limit = ({} if node is None else node.attrib
                                for node in (joints[name].find(tag) for tag in ("dynamics", "limit")))
             effort, speed = float(limit.get("effort", 0.0)) or 10.0, float(limit.get("velocity", 0.0)) or 1.0
             damping, friction = (float(dynamics.get(key, 0.0)) for key in ("damping", "friction"))
-            found += [Parameter(f"{name}.damping", "N s/m" if prismatic else "N m s/rad", damping,
+            found += [Parameter(f"{name}.damping", f"{force} s/{place}", damping,
                                 max(0.05 * effort / speed, 0.2 * float(self._loops[name].get("d", 0.0)), damping)),
-                      Parameter(f"{name}.friction", "N" if prismatic else "N m", friction,
+                      Parameter(f"{name}.friction", force, friction,
                                 max(0.05 * effort, friction))]
             static, fades = (float(dynamics.get(key, 0.0)) for key in ("static_friction", "stribeck_velocity"))
             if static or name in self._stribeck:
                 fades = fades or self._stribeck[name]
-                found += [Parameter(name + STRIBECK, found[-1].unit, max(static - friction, 0.0), found[-1].range),
-                          Parameter(name + FADES, "m/s" if prismatic else "rad/s", fades, fades, LEAST_FADES * fades)]
+                found += [Parameter(name + STRIBECK, force, max(static - friction, 0.0), found[-1].range),
+                          Parameter(name + FADES, f"{place}/s", fades, fades, LEAST_FADES * fades)]
             gains = {key: float(self._loops[name][key]) for key in PID if self._loops[name].get(key)}
-            force, place = ("N", "m") if prismatic else ("N m", "rad")
             units = dict(zip(PID, PID_UNITS["velocity" if name in self.velocity_loops else "position"]))
             found += [Parameter(f"{name}.{key}", force + units[key].format(place), gain, gain, LEAST_GAIN * gain)
                       for key, gain in gains.items()]

@@ -39,9 +39,9 @@ def write(path, messages):
     return str(path)
 
 
-def log(path, **options):
+def log(path, step_s=0.001, **options):
     with AnyBag(path) as bag:
-        return read_joint_log(bag, NAMES, CONTROLLERS, **options)
+        return read_joint_log(bag, NAMES, CONTROLLERS, step_s=step_s, **options)
 
 
 def test_states_in_any_order_of_joints_and_commands_of_each_form(tmp_path):
