@@ -41,7 +41,7 @@ EXPLAINED = 3.0
 LAGS = 3
 #: Residuals of a fit that leaves more than that are correlated over this time. [s]
 MODEL_LAG_S = 0.5
-#: Static friction begins with this part of its range.
+#: Static friction begins with this part of its range, which is the difference for its derivative, too.
 STRIBECK_STEP = 0.02
 
 
@@ -50,8 +50,9 @@ class Fit:
 
     Attributes:
         recording: of n joint states.  robot: with k parameters.  names: of these.  start, ranges, least: (k,) values of
-        the model, ranges and bounds of the parameters.  delay: index of the delay.  weights: one by the noise of each
-        joint's positions and, if recorded, velocities.  pool: that simulates.
+        the model, ranges and bounds of the parameters.  delay: index of the delay.  others: (k,) whether a parameter is
+        another.  weights: one by the noise of each joint's positions and, if recorded, velocities.
+        position_weights: those of the positions.  pool: that simulates.
     Args: progress: as `identify_twin` says.
     """
 
@@ -62,6 +63,7 @@ class Fit:
                                                for key in ("start", "range", "least"))
         self.names = [each.name for each in robot.parameters]
         self.delay = self.names.index(DELAY)
+        self.others = np.arange(len(self.names)) != self.delay
         self._loops = [(self.names.index(f"{joint}.p"), [
             i for i, name in enumerate(self.names)
             if name.rpartition(".")[0] == joint and not name.endswith((START, FADES))])
@@ -70,6 +72,7 @@ class Fit:
         measured = (recording.position,) if recording.velocity is None else (recording.position, recording.velocity)
         times_s = recording.times_s[robot.used]
         self.weights = 1.0 / np.concatenate([_noise(times_s, each[robot.used]) for each in measured])
+        self.position_weights = self.weights[:len(robot.names)]
 
     def begin(self, gains: float, mass: float) -> np.ndarray:
         """Values that fit the positions of the first part best. Args: gains, mass: factors on the model's gains and on
@@ -78,18 +81,16 @@ class Fit:
         Of positions alone: far from the solution velocities ripple between two set points, and have many minima.
         At first the joints weigh by their residuals, which is fast. That may end where one joint fits badly.
         """
-        joints = len(self.robot.names)
         x = self.start.copy()
         x[[i for _, group in self._loops for i in group if self.names[i].rpartition(".")[2] in PID]] *= gains
         x[[i for i, name in enumerate(self.names) if name == PAYLOAD[0]]] *= mass
         x[self.delay] = self._first_delay(x)
         x = self.descend(x, self.robot.first, None, FIRST_ROUNDS, 1e-2)
-        return self.descend(x, self.robot.first, self.weights[:joints], FIRST_ROUNDS, 1e-4)
+        return self.descend(x, self.robot.first, self.position_weights, FIRST_ROUNDS, 1e-4)
 
     def first_cost(self, x: np.ndarray) -> float:
         """Sum of the squares of the residuals of `begin`, by the noise."""
-        weights = self.weights[:len(self.robot.names)]
-        return float(np.sum(self.robot.residual(x, self.robot.first, weights)**2))
+        return float(np.sum(self.robot.residual(x, self.robot.first, self.position_weights)**2))
 
     def finish(self, x: np.ndarray) -> np.ndarray:
         """Values that fit best, from those of `begin`."""
@@ -133,6 +134,12 @@ class Fit:
             return (self.robot.residual(moved, rows, weights) - now) / step
         return np.stack(list(self.pool.map(column, range(len(x)))), axis=-1)
 
+    def spread(self, flat: np.ndarray) -> np.ndarray:
+        """(k, k) covariance in ranges for white residuals of variance 1, with the prior. Args: flat: (n, k) of
+        `jacobian`."""
+        found: np.ndarray = np.linalg.inv(flat.T @ flat + np.eye(flat.shape[1]) / PRIOR_RANGES**2)
+        return found
+
     def inflation(self, now: np.ndarray, scale: float) -> float:
         """By how much the correlation of the residuals over time inflates the variance of their sums, >= 1.
 
@@ -174,18 +181,18 @@ class Fit:
             found = self._lower(x, H, g, free, damping, cost, rows, weights)
             if found is None or found[-1] < enough:
                 # The delay may be at its kink, where it stops the others.
-                held = self._lower(x, H, g, free & (np.arange(len(x)) != self.delay), damping, cost, rows, weights)
-                both = [each for each in (found, held) if each is not None]
-                if not both:
-                    break
-                found = max(both, key=lambda each: each[-1])
+                held = self._lower(x, H, g, free & self.others, damping, cost, rows, weights)
+                found = max(filter(None, (found, held)), key=lambda each: each[-1], default=None)
+            if found is None:
+                break
             x, now, damping, fall = found
             if fall < enough:
                 break
         return x
 
     def _lower(self, x, H, g, moving, damping, cost, rows, weights):
-        """(values of a lower cost, their residual, damping of the next step, by how much the cost falls), or None.
+        """(values of a lower cost, their residual, damping of the next step, by how much the cost falls), or None. The
+        fall counts up to what the derivatives predict.
 
         Args: H, g: second and first derivatives of the cost.  moving: (k,) whether a parameter moves.
         """

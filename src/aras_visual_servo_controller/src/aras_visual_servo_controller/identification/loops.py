@@ -67,8 +67,8 @@ def identify_loops(recording: Recording) -> Identified:
 def add_state_delay(recording: Recording, estimates: Dict[str, Estimate], unknown: List[Unknown]) -> None:
     """Adds `joint_state_delay_s`, the mean time from the stamp of a joint state to its arrival, where that is known.
     Where they arrive before their stamp, the recorder has another clock."""
-    late = np.full(1, -np.inf) if recording.received_s is None else recording.received_s - recording.times_s
-    if late.mean() < 0.0:
+    late = None if recording.received_s is None else recording.received_s - recording.times_s
+    if late is None or late.mean() < 0.0:
         unknown.append(Unknown(STATE_DELAY, (), "record when each joint state arrives, on the clock of its stamp"))
     else:
         estimates[STATE_DELAY] = Estimate(float(late.mean()), float(late.std(ddof=1) / np.sqrt(len(late))), "s")

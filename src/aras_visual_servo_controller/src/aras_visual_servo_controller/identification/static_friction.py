@@ -9,7 +9,7 @@ from typing import Callable, Dict, Iterable, List, Set, Tuple
 import numpy as np
 
 from .estimates import HALF_95
-from .fit import PRIOR_RANGES, STRIBECK_STEP, Fit
+from .fit import STRIBECK_STEP, Fit
 from .replayed import STRIBECK
 
 #: Static friction is looked for with these parts of the joint's highest speed as the one over which it fades.
@@ -97,7 +97,7 @@ def _weak(fit: Fit, x: np.ndarray, joints: Iterable[str]) -> Set[str]:
     """Those of the joints whose static friction is not told from none."""
     weights, now, scale = fit.scaled(x)
     J = fit.jacobian(x, fit.robot.fit, weights, now).reshape(-1, len(x))
-    stddev = np.sqrt(np.diag(np.linalg.inv(J.T @ J + np.eye(len(x)) / PRIOR_RANGES**2))) * fit.ranges
+    stddev = np.sqrt(np.diag(fit.spread(J))) * fit.ranges
     at = {name: fit.names.index(name + STRIBECK) for name in joints}
     most = SIGNIFICANT * np.sqrt(fit.inflation(now, scale))
     return {name for name, i in at.items() if x[i] < most * stddev[i]}

@@ -10,7 +10,7 @@ from aras_visual_servo import Scenario
 from .advice import motion_for
 from .bandwidth import bandwidths
 from .estimates import HALF_95, Estimate, Identified, Unknown, covariance, not_told, separable
-from .fit import EXPLAINED, PRIOR_RANGES, ROUNDS, Fit
+from .fit import EXPLAINED, ROUNDS, Fit
 from .loops import STATE_DELAY, add_state_delay
 from .profile import Profile, profile
 from .recording import Recording
@@ -129,7 +129,7 @@ def _twin(fit, x, payload_link, untold=()):
     if not np.all(repeated):
         repeated |= held_out < EXPLAINED * np.hypot(residual, _predicted(fit, x, flat, scale))
     complete = scale < EXPLAINED
-    most = np.maximum(MODEL_ERROR * np.std(measured[:len(rows)], axis=0), EXPLAINED / fit.weights[:len(residual)])
+    most = np.maximum(MODEL_ERROR * np.std(measured[:len(rows)], axis=0), EXPLAINED / fit.position_weights)
     explained = np.all(repeated) and (complete or np.all(residual < most))
     converged = bool(near and found.lower is None and explained)
     groups = np.repeat(np.arange(len(now)), now.shape[1])
@@ -169,7 +169,7 @@ def _predicted_step(fit, x, flat, now):
     delay at its kink, a whole number of periods, does not."""
     free = x > fit.least
     return min(float(np.linalg.norm(flat[:, moving] @ (separable(flat[:, moving])[0] @ now.ravel())))
-               for moving in (free, free & (np.arange(len(x)) != fit.delay)))
+               for moving in (free, free & fit.others))
 
 
 def _one_way(fit):
@@ -178,18 +178,17 @@ def _one_way(fit):
     q = fit.recording.position[fit.robot.fit]
     ways = [np.max(np.maximum.accumulate(side * q, axis=0) - side * q, axis=0) for side in (-1.0, 1.0)]
     starts = np.array([name + START in fit.names for name in fit.robot.names])
-    return starts & (np.min(ways, axis=0) * fit.weights[:q.shape[1]] < BOTH_WAYS)
+    return starts & (np.min(ways, axis=0) * fit.position_weights < BOTH_WAYS)
 
 
 def _predicted(fit, x, flat, scale):
     """(m,) error of the positions in the held-out part that the uncertainty of the parameters predicts: what the
     fitted part tells badly may show there."""
     robot = fit.robot
-    weights = fit.weights[:len(robot.names)] / scale
+    weights = fit.position_weights / scale
     now = robot.residual(x, robot.used, weights)
     J = fit.jacobian(x, robot.used, weights, now)[:, len(robot.fit):]
-    cov = np.linalg.inv(flat.T @ flat + np.eye(len(x)) / PRIOR_RANGES**2)
-    return np.sqrt(np.mean(np.einsum("cni,ij,cnj->cn", J, cov, J), axis=1)) / weights
+    return np.sqrt(np.mean(np.einsum("cni,ij,cnj->cn", J, fit.spread(flat), J), axis=1)) / weights
 
 
 def _profile(fit, x, weights, flat):

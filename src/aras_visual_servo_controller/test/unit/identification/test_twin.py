@@ -212,8 +212,8 @@ def test_a_delay_beside_a_whole_number_of_periods_stops_no_other_parameter(tmp_p
 
 def test_a_fit_that_leaves_little_more_than_the_noise_begins_anew(tmp_path, monkeypatch):
     """A payload of the wrong mass has left 2.9 times the noise."""
-    given, begin, finish, scales = recording(tmp_path, np.random.default_rng(4), "position"), \
-        fit_module.Fit.begin, fit_module.Fit.finish, []
+    given, scales = recording(tmp_path, np.random.default_rng(4), "position"), []
+    begin, finish = fit_module.Fit.begin, fit_module.Fit.finish
 
     def poor(fit, gains, mass):
         x = begin(fit, gains, mass)
