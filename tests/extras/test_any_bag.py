@@ -25,7 +25,7 @@ def test_joint_states_of_ros_2_are_read(tmp_path, storage):
                 writer.write(connection, 5_000_000_000 + k * 10_000_000, store.serialize_cdr(
                     message, "sensor_msgs/msg/JointState"))
     with AnyBag(str(tmp_path / "bag")) as bag:
-        log = read_joint_log(bag, ("J1", "J2"), {})
+        log = read_joint_log(bag, ("J1", "J2"), {}, step_s=0.001)
     np.testing.assert_allclose(log.times_s, 5.0 + 0.01 * np.arange(100))
     np.testing.assert_allclose(log.position, np.outer(np.arange(100), (1.0, 2.0)))
     assert log.kind == "position" and log.told.shape == (100, 2)
