@@ -13,6 +13,8 @@ from .settling import settling_s, settling_times_s
 #: Sections of an overlay that take the place of those of the recorded scenario, key by key.
 OF_ROBOT = ("robot", "sim")
 FILES = ("urdf", "controllers")
+#: Keys of `real` that limit the arm's motion, and not the twin's.
+OF_REAL = ("speed_part", "joint_speed", "joint_acceleration", "workspace")
 #: Intrinsics that differ by less are those of the scenario [px].
 SAME_PX = 1e-3
 #: Images farther apart than this many periods have lost ones between them.
@@ -90,6 +92,9 @@ def twin_scenario(measured: RunRecord, overlay: Optional[str] = None,
         raise ParameterError(f"joints: found {', '.join(measured.joint_names)} in the bag, allowed those of its "
                              f"scenario, {', '.join(names)}")
     places, notes = _places(measured)
+    ignored = [key for key in OF_REAL if key in scenario.real]
+    if ignored:
+        notes.append(f"the twin does not use these keys of `real`: {', '.join(ignored)}")
     robot = {} if overlay is None else _of_overlay(overlay, names)
     changes = {**_camera(measured, scenario, age_s), **places, **robot}
     return scenario.with_overrides(changes) if changes else scenario, notes

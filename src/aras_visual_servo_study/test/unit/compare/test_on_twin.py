@@ -81,6 +81,13 @@ def test_a_bag_without_the_way_to_the_start_gives_start_goal_camera_and_rate(mea
     assert len(notes) == 1
 
 
+def test_limits_of_the_real_arm_that_the_twin_does_not_have_are_named(measured):
+    assert twin_scenario(measured)[1] == []
+    settings = {**measured.settings, "real": {**measured.settings["real"], "speed_part": 0.1}}
+    _, notes = twin_scenario(dataclasses.replace(measured, settings=settings))
+    assert len(notes) == 1 and notes[0].endswith(": speed_part")
+
+
 def test_what_is_no_run_or_another_robot_is_refused(measured):
     with pytest.raises(ParameterError) as error:
         twin_scenario(dataclasses.replace(measured, settings={}, phase=np.full(len(measured), "teach")))
