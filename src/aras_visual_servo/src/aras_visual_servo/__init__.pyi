@@ -111,6 +111,7 @@ from .ground.registry import Registry as Registry
 from .ground.images import in_rgb as in_rgb
 from .ground.registry import load_room as load_room
 from .ground.types import FEATURE_NAMES as FEATURE_NAMES
+from .ground.types import PHASES as PHASES
 from .laws.base import works_on as works_on
 from .laws.written import WrittenLaw as WrittenLaw
 from .runs.judge import fit_decay as fit_decay

@@ -2,6 +2,7 @@
 
 Topics are found by the ends of their names, under any namespace. Those of `REQUIRED` must be there, those of `OPTIONAL`
 add to the record. There is one row per ServoState in the order of stamps; everything else is paired with it by stamp.
+Of several runs one after the other, the record is the first that servoed.
 """
 
 from pathlib import Path
@@ -10,7 +11,8 @@ from typing import Any, Dict, List, Optional, Sequence, Tuple, Union
 import numpy as np
 import yaml
 
-from aras_visual_servo import FEATURE_NAMES, RecordBuilder, RunRecord, STOP_NAMES, Scenario, image_of, load_plugins
+from aras_visual_servo import FEATURE_NAMES, PHASES, RecordBuilder, RunRecord, STOP_NAMES, Scenario, image_of, \
+    load_plugins
 from aras_visual_servo.spatial import pose_from_quaternion
 from .files import BagError, BagFiles
 from .record_groups import SOURCE_TOPICS, lacking
@@ -71,6 +73,7 @@ def _read(bags, topics, scenario, keep_images):
     states = [state for _, state in sorted(_by_stamp(found["servo_state"]).items())]
     if not states:
         raise BagError(f"bag '{bags.name}': {topics['servo_state']} holds no image's row")
+    states, several = _first_run(states)
     features, statuses = _by_stamp(found["camera/features"]), found["sim/status"]
     poses, targets = ({stamp_ns: pose_matrix(message.pose) for stamp_ns, message in _by_stamp(found[name]).items()}
                       for name in ("ground_truth/camera_pose", "ground_truth/target_pose"))
@@ -79,7 +82,7 @@ def _read(bags, topics, scenario, keep_images):
     published = {topic: number for message in found["sim/recording"][-1:]
                  for topic, number in zip(message.topics, message.published)}
     recorded, losses = _compare(bags, published)
-    notes = bags.notes + lacking(topics) + losses
+    notes = bags.notes + lacking(topics) + losses + several
     settings, scenario_name = settings_of(scenario, document, notes)
     # Features of plugins bring the units and symbols they are shown with.
     plugins = settings.get("servo", {}).get("plugins", [])
@@ -118,6 +121,25 @@ def _read(bags, topics, scenario, keep_images):
                           real_time_factor=float(np.median(factors)) if factors else float("nan"),
                           camera_info=camera_info, X_WT=X_WT, recorded=recorded,
                           opengl=getattr(statuses[-1], "opengl", "") if statuses else "")
+
+
+def _first_run(states):
+    """(rows of the first run that servoed, [note about the others]). A run goes through `PHASES` in their order."""
+    begins, highest = [0], 0
+    for row, state in enumerate(states):
+        phase = PHASES.index(state.phase) if state.phase in PHASES else 0
+        if 0 < phase < highest:
+            begins.append(row)
+            highest = phase
+        highest = max(highest, phase)
+    if len(begins) == 1:
+        return states, []
+    runs = [states[begin:end] for begin, end in zip(begins, begins[1:] + [len(states)])]
+    number = next((n for n, run in enumerate(runs) if any(state.phase == "servo" for state in run)), 0)
+    times = ", ".join(f"{run[0].header.stamp.to_sec():.3f} s" for run in runs)
+    return runs[number], [f"the bag holds {len(runs)} runs, which begin at {times}; this is number {number + 1}. "
+                          "`rosbag filter` makes a bag of another: rosbag filter run.bag other.bag "
+                          "\"topic.endswith('/scenario') or t.to_sec() >= BEGIN\""]
 
 
 def _compare(bags, published):

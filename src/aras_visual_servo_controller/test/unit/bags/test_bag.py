@@ -2,6 +2,7 @@
 
 import json
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -86,6 +87,33 @@ def test_two_runs_in_a_bag_need_a_choice(tmp_path, original):
     with pytest.raises(BagError, match="/left, /right"):
         read_bag(path)
     assert len(read_bag(path, namespace="/right")) == len(original)
+
+
+def moved(record, by_s, by_m, rows=slice(None)):
+    """Messages of these rows of the record, later and elsewhere."""
+    X_WC = record.X_WC.copy()
+    X_WC[:, :3, 3] += by_m
+    names = ("phase", "status", "status_text", "s", "s_star", "e", "twist", "q", "set_point")
+    return list(messages_of(replace(record, stamp_ns=record.stamp_ns[rows] + int(1e9 * by_s), X_WC=X_WC[rows],
+                                    **{name: getattr(record, name)[rows] for name in names}), scenario=False))
+
+
+def test_of_two_runs_one_after_the_other_the_first_that_servoed_is_read(tmp_path, original):
+    one, later = list(messages_of(original)), moved(original, 100.0, 0.2)
+    begin_s = 100.0 + 1e-9 * original.stamp_ns[0]
+    alone, both = (read_bag(write(tmp_path / name, messages))
+                   for name, messages in (("one.bag", one), ("both.bag", one + later)))
+    for name in ("stamp_ns", "phase", "status", "e", "X_WC", "taught_pose", "desired_image", "final_image"):
+        np.testing.assert_array_equal(getattr(both, name), getattr(alone, name), err_msg=name)
+    assert judge(both).passed and judge(both).final_error == judge(alone).final_error
+    [note] = both.notes
+    assert f"{begin_s:.3f} s" in note and alone.notes == ()
+    teach, servo = original.rows("teach")[0], original.rows("servo")[0]
+    no_servo = moved(original, -50.0 + 100.0, 0.2, slice(0, teach + 1))
+    shifted = moved(original, 100.0, 0.0)
+    record = read_bag(write(tmp_path / "late.bag", one[:2] + no_servo + shifted))
+    assert len(record) == len(original) and record.phase[servo] == "servo"
+    np.testing.assert_allclose(record.taught_pose, alone.taught_pose, rtol=0, atol=POSE_TOLERANCE)
 
 
 def test_rows_without_a_true_pose_are_kept_and_noted(tmp_path, original):
