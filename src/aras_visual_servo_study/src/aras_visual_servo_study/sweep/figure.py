@@ -200,7 +200,7 @@ def _reasons(rows):
         return figure
     colours = {"infeasible": palette.GREY, "failure": palette.VERMILION, "error": "#7a1f1f"}
     names = [reason for _, reason, _ in found][::-1]
-    counts = [count for _, _, count in found][::-1]
+    counts = [len(ids) for _, _, ids in found][::-1]
     bars = panel.barh(range(len(found)), counts, color=[colours[outcome] for outcome, _, _ in found][::-1])
     panel.bar_label(bars, padding=2, fontsize=8)
     panel.set_yticks(range(len(found)), names)

@@ -22,6 +22,8 @@ from .store import SweepStore
 CAPTIONS = {"map": "Result, time to the end and final error over two axes.",
             "curve": "Success against the {distance}, with 95 % Wilson intervals.",
             "reasons": "Why runs did not succeed."}
+#: Ids of runs that are told of each reason, at most.
+MOST_IDS = 8
 
 
 def save_csv(store: SweepStore) -> Path:
@@ -62,7 +64,7 @@ def report_html(store: SweepStore, rows: List[Dict[str, Any]], pictures: Dict[st
                  for label, name, unit, form in (("time [s]", "time", "s", "{:.2f}"),
                                                  ("position error [mm]", "error", "mm", "{:.4f}"),
                                                  ("angle [deg]", "angle", "deg", "{:.5f}"))],
-        reasons=reasons(rows),
+        reasons=[(outcome, reason, len(ids), _first(ids)) for outcome, reason, ids in reasons(rows)],
         maps=sweep_maps(rows, axes, joints=joints), script=script(*MAP_MODULES),
         map=base64.b64encode(pictures["map"]).decode(),
         map_caption=captions["map"], one_colour=every_run_succeeds(rows),
@@ -116,8 +118,13 @@ def format_rows(scenario: str, rows: List[Dict[str, Any]]) -> str:
                      f"{numbers['time_p95_s']:.2f} s")
         lines.append(f"{'error, median':<20}{numbers['error_median_mm']:.4f} mm, 95 % below "
                      f"{numbers['error_p95_mm']:.4f} mm")
-    lines += [f"{count:>6} {outcome:<11} {reason}" for outcome, reason, count in reasons(rows)]
+    lines += [f"{len(ids):>6} {outcome:<11} {reason}: id {_first(ids)}" for outcome, reason, ids in reasons(rows)]
     return "\n".join(lines)
+
+
+def _first(ids):
+    """The first ids as text."""
+    return ", ".join([*map(str, ids[:MOST_IDS]), *(["..."] if len(ids) > MOST_IDS else [])])
 
 
 def _number(value, form):

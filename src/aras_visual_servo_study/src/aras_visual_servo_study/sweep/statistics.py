@@ -124,11 +124,10 @@ def aggregate(rows: List[Dict[str, Any]]) -> Dict[str, float]:
     return numbers
 
 
-def reasons(rows: List[Dict[str, Any]]) -> List[Tuple[str, str, int]]:
-    """(outcome, reason, count) of the runs that did not succeed, the most frequent first."""
-    counts = {}
+def reasons(rows: List[Dict[str, Any]]) -> List[Tuple[str, str, List[int]]]:
+    """(outcome, reason, ids) of the runs that did not succeed, the most frequent reason first."""
+    ids: Dict[Tuple[str, str], List[int]] = {}
     for row in rows:
         if row["outcome"] != "success":
-            key = (row["outcome"], row["reason"])
-            counts[key] = counts.get(key, 0) + 1
-    return [(*key, count) for key, count in sorted(counts.items(), key=lambda item: (-item[1], item[0]))]
+            ids.setdefault((row["outcome"], row["reason"]), []).append(row["id"])
+    return [(*key, of_key) for key, of_key in sorted(ids.items(), key=lambda item: (-len(item[1]), item[0]))]

@@ -75,7 +75,9 @@ def test_infeasible_starts_do_not_count_against_the_law():
     numbers = aggregate(rows)
     assert numbers["success"] == pytest.approx(1 / 3)
     assert (numbers["runs"], numbers["feasible"], numbers["infeasible"], numbers["errors"]) == (4, 3, 1, 1)
-    assert [count for _, _, count in reasons(rows)] == [1, 1, 1]
+    assert reasons(rows + [row(5, 0, reason="timed out")]) == [
+        ("failure", "timed out", [2, 5]), ("error", "error: ValueError", [4]),
+        ("infeasible", "target not in view at the start", [3])]
 
 
 def test_pairs_compare_success_time_and_error():
