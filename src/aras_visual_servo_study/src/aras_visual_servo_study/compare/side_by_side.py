@@ -135,6 +135,7 @@ def format_runs(runs: Sequence[Run]) -> str:
     lines += [f"{run.label}: {judge(run.record).reason}" for run in runs]
     lines += [f"differs: {key}: {' / '.join(value or '–' for value in values)}"
               for key, values in differing(runs)[:MOST_DIFFERENCES]]
+    lines += [f"note: {run.label}: {note}" for run in runs for note in run.record.notes]
     return "\n".join(lines)
 
 
@@ -147,7 +148,7 @@ def _draw_left(run, axes):
 
 
 def _draw_joints(run, axes):
-    """Draw where each joint is between its limits, -1 to 1. Joints without limits are left out."""
+    """Draw where each joint is between its limits, -1 to 1. The legend names joints without limits."""
     rows = run.record.servo_rows
     t_s = run.record.t_s[rows] - run.record.t_s[rows[0]]
     limited = np.flatnonzero(np.isfinite(run.lower) & np.isfinite(run.upper))
@@ -158,8 +159,10 @@ def _draw_joints(run, axes):
     for end in (-1.0, 1.0):
         axes.axhline(end, color=palette.GREY, linewidth=1.5)
     axes.set(ylim=(-1.08, 1.08), xlabel="time since the servo started [s]", ylabel="joints between their limits")
-    if len(limited):
-        axes.legend(loc="best", ncol=2)
+    free = [name for joint, name in enumerate(run.record.joint_names) if joint not in limited]
+    if free:
+        axes.plot([], [], " ", label=f"no limits: {', '.join(free)}")
+    axes.legend(loc="best", ncol=2)
 
 
 def _same_limits(row, names):
