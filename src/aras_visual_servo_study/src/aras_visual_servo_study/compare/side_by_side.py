@@ -6,6 +6,7 @@
 import base64
 from dataclasses import dataclass
 from pathlib import Path
+from textwrap import fill
 from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 import matplotlib
@@ -27,6 +28,8 @@ from ..sweep.judge import judge_row
 
 #: Rates of decay and differing settings in the table of the terminal, at most.
 MOST_DECAYS, MOST_DIFFERENCES = 8, 10
+#: Letters in a line of a legend.
+LEGEND_WIDTH = 24
 
 
 @dataclass
@@ -87,8 +90,8 @@ def make_figure(runs: Sequence[Run]) -> Figure:
     rows = 4
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(max(4.2 * len(runs), 6.0), 11.5))
-        grid = figure.add_gridspec(rows, len(runs), left=0.09, right=0.95, top=0.955, bottom=0.045, hspace=0.3,
-                                   wspace=0.4, height_ratios=(1.25, 1.0, 1.0, 1.2))
+        grid = figure.add_gridspec(rows, len(runs), left=0.09, right=0.93, top=0.955, bottom=0.045, hspace=0.3,
+                                   wspace=0.5, height_ratios=(1.25, 1.0, 1.0, 1.2))
         panels = [[figure.add_subplot(grid[row, column], projection=Axes3D.name if row == 0 else None)
                    for column in range(len(runs))] for row in range(rows)]
         for column, run in enumerate(runs):
@@ -161,8 +164,8 @@ def _draw_joints(run, axes):
     axes.set(ylim=(-1.08, 1.08), xlabel="time since the servo started [s]", ylabel="joints between their limits")
     free = [name for joint, name in enumerate(run.record.joint_names) if joint not in limited]
     if free:
-        axes.plot([], [], " ", label=f"no limits: {', '.join(free)}")
-    axes.legend(loc="best", ncol=2)
+        axes.plot([], [], " ", label=fill(f"no limits: {', '.join(free)}", LEGEND_WIDTH))
+    axes.legend(loc="best", ncol=2, columnspacing=1.0, handlelength=1.5)
 
 
 def _same_limits(row, names):

@@ -140,7 +140,7 @@ def summary(rows):
 
 def test_without_a_success_no_time_is_told():
     said = summary([summary_row(1, "failure", reason="timed out", success=0)])
-    assert said[-1] == "     1 failure     timed out" and not any("median" in line for line in said)
+    assert said[-1] == "     1 failure     timed out: id 1" and not any("median" in line for line in said)
 
 
 @pytest.mark.parametrize("section, rows", [
