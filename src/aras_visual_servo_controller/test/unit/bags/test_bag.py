@@ -14,7 +14,7 @@ from messages import NAMESPACE, image_message, messages_of, state_message, write
 from std_msgs.msg import String
 from synthetic import SETTINGS, blob, make_record
 
-from aras_visual_servo import ShapeError, image_of
+from aras_visual_servo import ParameterError, ShapeError, image_of
 from aras_visual_servo_controller.bags.bag import BagError, read_bag
 from aras_visual_servo.cli.main import main
 from aras_visual_servo.features import base as features
@@ -87,6 +87,13 @@ def test_two_runs_in_a_bag_need_a_choice(tmp_path, original):
     with pytest.raises(BagError, match="/left, /right"):
         read_bag(path)
     assert len(read_bag(path, namespace="/right")) == len(original)
+
+
+def test_a_bag_without_its_scenario_is_not_compared(tmp_path, original):
+    from aras_visual_servo_study.compare.side_by_side import read_run
+    path = write(tmp_path / "run.bag", messages_of(original, scenario=False))
+    with pytest.raises(ParameterError, match=f"{path}: scenario:"):
+        read_run(str(path))
 
 
 def moved(record, by_s, by_m, rows=slice(None)):

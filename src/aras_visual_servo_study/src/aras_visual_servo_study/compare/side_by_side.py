@@ -48,7 +48,8 @@ def read_run(source: str, changes: Optional[Dict[str, Any]] = None) -> Run:
 
     Args: source: a scenario by name or path, which is run here with `changes`; or a bag, a folder of bags, or the
         folder of a run without a bag, which is run again as it was.
-    Raises: ParameterError: there is no such scenario, or changes of a recorded run.  BagError: the bags hold no run.
+    Raises: ParameterError: there is no such scenario, changes of a recorded run, or a bag without its scenario.
+        BagError: the bags hold no run.
     """
     path = Path(source)
     if changes and (path.suffix == ".bag" or path.is_dir()):
@@ -60,6 +61,8 @@ def read_run(source: str, changes: Optional[Dict[str, Any]] = None) -> Run:
     elif path.suffix == ".bag" or path.is_dir():
         from aras_visual_servo_controller import read_bag  # needs rosbag
         record = read_bag(str(path))
+        if not record.settings:
+            raise ParameterError(f"{source}: scenario: found none in the bag, allowed a bag with the topic scenario")
         scenario = scenario_from_dict(dict(record.settings), source=str(path))
         label = f"{record.scenario} ({path.parent.name if path.suffix == '.bag' else path.name})"
     else:
