@@ -237,6 +237,7 @@ class ControllerNode:
         self._feedback_phase = ""
         self._server.publish_feedback(VisualServoFeedback(convert.state_message(record, self._frame_id)))
         converged, status, reason, e, duration_s = self._session.outcome(record)
+        reason = self._told(status, reason)
         result = VisualServoResult(converged=bool(converged), status=int(status), reason=reason,
                                    feature_names=list(record.feature_names), e=[float(value) for value in e],
                                    duration_s=float(duration_s))
@@ -247,6 +248,10 @@ class ControllerNode:
         elif self._preempted:
             report = self._server.set_preempted
         report(result, reason)
+
+    def _told(self, status, text):
+        """The reason of a status, with what the arm adds to it."""
+        return text
 
     # --- goals, services, watchdog (worker and service threads) -------------------------------------------------
 

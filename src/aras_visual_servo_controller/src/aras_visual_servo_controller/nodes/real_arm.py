@@ -22,6 +22,8 @@ from .controller import ControllerNode, main as run_node
 from .parameters import Parameters
 
 SHOW_LATENCY_S = 10.0  # ROS time between two lines of the log
+#: Statuses whose text also tells what slows or stops the arm.
+SLOWED = (Status.SERVOING, Status.OUT_OF_REACH, Status.TIMED_OUT)
 
 
 class RealControllerNode(ControllerNode):
@@ -132,10 +134,12 @@ class RealControllerNode(ControllerNode):
         super()._finish(record)
 
     def _publish_state(self, record):
-        if self._slowed and record.status == Status.SERVOING:
-            status = Status.JOINT_LIMIT if self._blocked else record.status
-            record = replace(record, status=status, status_text=f"{record.status_text}; {self._slowed}")
-        super()._publish_state(record)
+        status = Status.JOINT_LIMIT if self._blocked and record.status == Status.SERVOING else record.status
+        text = self._told(record.status, record.status_text)
+        super()._publish_state(replace(record, status=status, status_text=text))
+
+    def _told(self, status, text):
+        return f"{text}; {self._slowed}" if self._slowed and status in SLOWED else text
 
     def _command_loop(self):
         """Send a command in every period, until shutdown. ROS time may be set back, and then the loop goes on."""

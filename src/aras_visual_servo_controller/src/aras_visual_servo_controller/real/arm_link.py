@@ -64,7 +64,7 @@ class Tick(NamedTuple):
     Attributes:
         point: `SetPoint` to send, None when nothing is to be sent.  unfit: `Unfit` while the arm must rest, or None.
         slowed: cause of a slower or stopped motion; "" without one.
-        blocked: whether a joint limit or the workspace stopped it.
+        blocked: whether a joint limit or the workspace stopped it, also while it then stands as commanded.
     """
 
     point: Optional[SetPoint]
@@ -214,13 +214,13 @@ class ArmLink:
     def end(self, now_ns: int) -> None:
         """The goal has ended: rest, and be silent RELEASE_S later."""
         self.rest()
-        self._released_ns = now_ns
+        self._released_ns, self._limit = now_ns, ""
 
     def release(self) -> None:
         """Send nothing any more. The next command begins at the measured positions."""
         self._out = self._target = self._taken_ns = self._released_ns = None
         self._velocity = self._out_velocity = self._zeros
-        self._follows = False
+        self._follows, self._limit = False, ""
 
     def tick(self, now_ns: int) -> Tick:
         """One command period has passed: `Tick`."""
@@ -241,6 +241,9 @@ class ArmLink:
         drive, blocked = self._zeros, False
         if not resting and dt_s > 0.0:
             drive, slowed, blocked = self._move(dt_s)
+            self._limit = slowed if blocked else ""
+        elif resting and unfit is None and not old:
+            slowed, blocked = self._limit, bool(self._limit)
         if not (np.isfinite(self._out).all() and np.isfinite(drive).all()):
             self.release()  # non-finite values must not be sent; the driver holds its set-point
             return Tick(None, Unfit("the set-point is not finite", True))

@@ -226,11 +226,19 @@ def test_the_camera_stays_in_its_workspace_and_may_come_back():
     assert KINEMATICS.pose(bench.q)[1, 3] <= y + 0.05
     assert KINEMATICS.pose(bench.q)[1, 3] > y + 0.03
     assert bench.ticks[-1].blocked and "workspace" in bench.ticks[-1].slowed
+    told = bench.ticks[-1].slowed
+    bench.move({"gantry": 0.0})
+    assert bench.run(3)[2:] == (told, True), "why the camera stands is told for as long as it stands"
     before = bench.q.copy()
     for _ in range(10):
         bench.move({"gantry": -0.2})
         bench.run()
     assert (bench.q != before).any() and not bench.ticks[-1].blocked
+    for _ in range(100):
+        bench.move({"gantry": 0.2})
+        bench.run()
+    bench.link.end(bench.now_ns)
+    assert bench.run()[2:] == ("", False)
 
 
 def test_a_joint_stops_at_its_limit():
