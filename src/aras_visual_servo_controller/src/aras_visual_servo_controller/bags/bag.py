@@ -125,20 +125,22 @@ def _read(bags, topics, scenario, keep_images):
 
 def _first_run(states):
     """(rows of the first run that servoed, [note about the others]). A run goes through `PHASES` in their order."""
-    begins, highest = [0], 0
+    begins, highest = [], PHASES.index("done")
     for row, state in enumerate(states):
         phase = PHASES.index(state.phase) if state.phase in PHASES else 0
         if 0 < phase < highest:
             begins.append(row)
             highest = phase
-        highest = max(highest, phase)
-    if len(begins) == 1:
+        else:
+            highest = max(highest, phase)
+    if len(begins) < 2:
         return states, []
     runs = [states[begin:end] for begin, end in zip(begins, begins[1:] + [len(states)])]
     number = next((n for n, run in enumerate(runs) if any(state.phase == "servo" for state in run)), 0)
-    times = ", ".join(f"{run[0].header.stamp.to_sec():.3f} s" for run in runs)
+    # Rounded down, so that the first image is not before the time.
+    times = ", ".join(f"{1e-3 * (run[0].header.stamp.to_nsec() // 10**6):.3f} s" for run in runs)
     return runs[number], [f"the bag holds {len(runs)} runs, which begin at {times}; this is number {number + 1}. "
-                          "`rosbag filter` makes a bag of another: rosbag filter run.bag other.bag "
+                          "To make a bag of another: rosbag filter run.bag other.bag "
                           "\"topic.endswith('/scenario') or t.to_sec() >= BEGIN\""]
 
 

@@ -116,11 +116,14 @@ def test_of_two_runs_one_after_the_other_the_first_that_servoed_is_read(tmp_path
     [note] = both.notes
     assert f"{begin_s:.3f} s" in note and alone.notes == ()
     teach, servo = original.rows("teach")[0], original.rows("servo")[0]
-    no_servo = moved(original, -50.0 + 100.0, 0.2, slice(0, teach + 1))
+    no_servo = moved(original, 50.0, 0.2, slice(0, teach + 1))
     shifted = moved(original, 100.0, 0.0)
     record = read_bag(write(tmp_path / "late.bag", one[:2] + no_servo + shifted))
     assert len(record) == len(original) and record.phase[servo] == "servo"
     np.testing.assert_allclose(record.taught_pose, alone.taught_pose, rtol=0, atol=POSE_TOLERANCE)
+    end = moved(original, 90.0, 0.2, slice(len(original) - 1, None))  # what a filter leaves of the run before
+    record = read_bag(write(tmp_path / "filtered.bag", one[:2] + end + shifted))
+    assert record.notes == () and judge(record).final_error == pytest.approx(judge(alone).final_error, abs=1e-9)
 
 
 def test_rows_without_a_true_pose_are_kept_and_noted(tmp_path, original):

@@ -22,7 +22,7 @@ from .store import SweepStore
 CAPTIONS = {"map": "Result, time to the end and final error over two axes.",
             "curve": "Success against the {distance}, with 95 % Wilson intervals.",
             "reasons": "Why runs did not succeed."}
-#: Ids of runs that are told of each reason, at most.
+#: Largest number of ids shown for each reason.
 MOST_IDS = 8
 
 
